@@ -1,0 +1,27 @@
+# sightline_library(NAME sources...): target sightline (NAME sightline) or sightline_NAME, with the alias sightline::NAME
+# and the project's warnings. sightline_strict(TARGET): the warnings alone, for programs.
+function(sightline_strict target)
+  target_compile_features(${target} PUBLIC cxx_std_20)
+  set_target_properties(${target} PROPERTIES CXX_EXTENSIONS OFF)
+  if(PROJECT_IS_TOP_LEVEL)
+    target_compile_options(${target} PRIVATE -Wall -Wextra -Wpedantic -Wconversion -Wshadow -Werror)
+  endif()
+  if(SIGHTLINE_SANITIZE)
+    target_compile_options(${target} PUBLIC -fsanitize=${SIGHTLINE_SANITIZE} -fno-omit-frame-pointer -fno-sanitize-recover=all)
+    target_link_options(${target} PUBLIC -fsanitize=${SIGHTLINE_SANITIZE})
+  endif()
+endfunction()
+
+function(sightline_library name)
+  set(target sightline)
+  if(NOT name STREQUAL sightline)
+    set(target sightline_${name})
+  endif()
+  add_library(${target} ${ARGN})
+  add_library(sightline::${name} ALIAS ${target})
+  set_target_properties(${target} PROPERTIES EXPORT_NAME ${name})
+  target_include_directories(${target} PUBLIC $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}/src> $<INSTALL_INTERFACE:include>)
+  sightline_strict(${target})
+  # Same bits on every machine: no contraction of a * b + c behind our back.
+  target_compile_options(${target} PRIVATE -ffp-contract=off)
+endfunction()

@@ -1,0 +1,34 @@
+// What the work was: counts that are part of every result. Zero where an algorithm has no such work.
+#pragma once
+
+#include <cstdint>
+
+namespace sightline {
+
+struct Counters {
+  std::uint64_t nodes_visited = 0;        // nodes of a space partition
+  std::uint64_t boxes_tested = 0;         // bounds tested against the frustum
+  std::uint64_t queries = 0;              // bounds tested for occlusion
+  std::uint64_t occluders = 0;            // objects drawn as occluders
+  std::uint64_t occluder_triangles = 0;   // triangles of those objects, before any culling
+  std::uint64_t triangles_in = 0;         // triangles given to a renderer
+  std::uint64_t triangles_filled = 0;     // triangles that reached the fill loop
+  std::uint64_t pixels_tested = 0;        // depth tests
+  std::uint64_t pixels_written = 0;       // depth writes
+
+  /// Calls f(name, value) for every counter, in order.
+  template <class F>
+  void each(F&& f) const {
+    f("nodes_visited", nodes_visited);
+    f("boxes_tested", boxes_tested);
+    f("queries", queries);
+    f("occluders", occluders);
+    f("occluder_triangles", occluder_triangles);
+    f("triangles_in", triangles_in);
+    f("triangles_filled", triangles_filled);
+    f("pixels_tested", pixels_tested);
+    f("pixels_written", pixels_written);
+  }
+};
+
+}  // namespace sightline

@@ -1,0 +1,36 @@
+// Bounding volume hierarchy over boxes (checklist 13.14, 13.15): plain data, and a builder that returns it.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "sightline/geometry/aabb.hpp"
+
+namespace sightline {
+
+/// 32 bytes. Inner node: count == 0 and its children are nodes[first] and nodes[first + 1]. Leaf: items[first .. + count).
+struct BvhNode {
+  Aabb bounds;
+  std::uint32_t first = 0;
+  std::uint32_t count = 0;
+  [[nodiscard]] bool leaf() const { return count > 0; }
+};
+
+struct Bvh {
+  /// nodes[0] is the root; empty if there are no boxes. Children come after their parent.
+  std::vector<BvhNode> nodes;
+  /// Indices of the boxes, each exactly once; every subtree's items are contiguous.
+  std::vector<std::uint32_t> items;
+};
+
+struct BvhConfig {
+  int max_leaf_size = 4;  // boxes, 1 to 255
+  int bins = 16;          // bins per axis of the surface area heuristic, 2 to 64
+};
+
+/// Top-down, binned surface area heuristic (Wald 2007); falls back to the median where all centroids coincide. Empty boxes
+/// are allowed and never widen a node. The result does not depend on the number of threads.
+Bvh build_bvh(std::span<const Aabb> boxes, const BvhConfig& config = {});
+
+}  // namespace sightline
