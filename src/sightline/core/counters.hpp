@@ -6,15 +6,15 @@
 namespace sightline {
 
 struct Counters {
-  std::uint64_t nodes_visited = 0;        // nodes of a space partition
-  std::uint64_t boxes_tested = 0;         // bounds tested against the frustum
-  std::uint64_t queries = 0;              // bounds tested for occlusion
-  std::uint64_t occluders = 0;            // objects drawn as occluders
-  std::uint64_t occluder_triangles = 0;   // triangles of those objects, before any culling
-  std::uint64_t triangles_in = 0;         // triangles given to a renderer
-  std::uint64_t triangles_filled = 0;     // triangles that reached the fill loop
-  std::uint64_t pixels_tested = 0;        // depth tests
-  std::uint64_t pixels_written = 0;       // depth writes
+  std::uint64_t nodes_visited = 0;       // nodes of a space partition
+  std::uint64_t boxes_tested = 0;        // bounds tested against the frustum
+  std::uint64_t queries = 0;             // bounds tested for occlusion
+  std::uint64_t occluders = 0;           // objects drawn as occluders
+  std::uint64_t occluder_triangles = 0;  // triangles of those objects, before any culling
+  std::uint64_t triangles_in = 0;        // triangles given to a renderer
+  std::uint64_t triangles_filled = 0;    // triangles that reached the fill loop
+  std::uint64_t pixels_tested = 0;       // depth tests
+  std::uint64_t pixels_written = 0;      // depth writes
 
   /// Calls f(name, value) for every counter, in order.
   template <class F>

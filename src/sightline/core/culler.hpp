@@ -7,8 +7,8 @@
 
 namespace sightline {
 
-/// A culler is made for one scene and keeps what it learns from frame to frame in itself; not a callback walk, so that a
-/// temporal algorithm may stop and go on. One object serves one thread at a time.
+/// A culler is made for one scene and keeps what it learns from frame to frame in itself; not a callback walk, so that
+/// a temporal algorithm may stop and go on. One object serves one thread at a time.
 class Culler {
  public:
   virtual ~Culler() = default;
@@ -16,8 +16,8 @@ class Culler {
   Culler(const Culler&) = delete;
   Culler& operator=(const Culler&) = delete;
 
-  /// Puts into `visible` (cleared first) those of the candidates that may be seen from `view`, in the order in which they
-  /// were found; always a subset of the candidates. Adds to `counters`. The view must pass check_view.
+  /// Puts into `visible` (cleared first) those of the candidates that may be seen from `view`, in the order in which
+  /// they were found; always a subset of the candidates. Adds to `counters`. The view must pass check_view.
   virtual void cull(const View& view, const VisibleSet& candidates, VisibleSet& visible, Counters& counters) = 0;
 
   /// Forgets everything learnt from earlier frames.

@@ -1,5 +1,6 @@
-// View frustum as planes, and the box test by p- and n-vertices (Assarsson and Moller 2000; checklist 20.09-20.14, E42).
-// Promise of the tests: conservative; a box near a frustum edge may count as intersecting though it is outside (E40).
+// View frustum as planes, and the box test by p- and n-vertices (Assarsson and Moller 2000; checklist 20.09-20.14,
+// E42). Promise of the tests: conservative; a box near a frustum edge may count as intersecting though it is outside
+// (E40).
 #pragma once
 
 #include <array>

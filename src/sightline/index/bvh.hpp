@@ -9,7 +9,8 @@
 
 namespace sightline {
 
-/// 32 bytes. Inner node: count == 0 and its children are nodes[first] and nodes[first + 1]. Leaf: items[first .. + count).
+/// 32 bytes. Inner node: count == 0 and its children are nodes[first] and nodes[first + 1]. Leaf: items[first .. +
+/// count).
 struct BvhNode {
   Aabb bounds;
   std::uint32_t first = 0;
@@ -29,8 +30,8 @@ struct BvhConfig {
   int bins = 16;          // bins per axis of the surface area heuristic, 2 to 64
 };
 
-/// Top-down, binned surface area heuristic (Wald 2007); falls back to the median where all centroids coincide. Empty boxes
-/// are allowed and never widen a node. The result does not depend on the number of threads.
+/// Top-down, binned surface area heuristic (Wald 2007); falls back to the median where all centroids coincide. Empty
+/// boxes are allowed and never widen a node. The result does not depend on the number of threads.
 Bvh build_bvh(std::span<const Aabb> boxes, const BvhConfig& config = {});
 
 }  // namespace sightline

@@ -1,7 +1,8 @@
-// The truth: which objects are seen through the sample points of a view, by rays (Embree, robust mode). The rasterisation
-// rules are stated here once: pixel (x, y) with n x n samples is sampled at (x + (i + 0.5) / n, y + (j + 0.5) / n); only
-// surfaces between the near and the far plane count; both sides of a triangle are seen; of surfaces at equal depth the
-// lower object id, then the lower triangle id, should win, but rays cannot promise that below `depth_error`.
+// The truth: which objects are seen through the sample points of a view, by rays (Embree, robust mode). The
+// rasterisation rules are stated here once: pixel (x, y) with n x n samples is sampled at (x + (i + 0.5) / n, y + (j +
+// 0.5) / n); only surfaces between the near and the far plane count; both sides of a triangle are seen; of surfaces at
+// equal depth the lower object id, then the lower triangle id, should win, but rays cannot promise that below
+// `depth_error`.
 #pragma once
 
 #include <cstdint>
@@ -30,10 +31,10 @@ struct Truth {
 
 /// What a culler's answer is worth.
 struct Verdict {
-  std::size_t truth = 0;                 // objects seen
-  std::vector<ObjectId> missed;          // seen but not in the answer, ascending
-  std::uint64_t missed_samples = 0;      // samples through which those are seen
-  std::size_t extra = 0;                 // in the answer but not seen
+  std::size_t truth = 0;             // objects seen
+  std::vector<ObjectId> missed;      // seen but not in the answer, ascending
+  std::uint64_t missed_samples = 0;  // samples through which those are seen
+  std::size_t extra = 0;             // in the answer but not seen
 };
 
 class Oracle {

@@ -16,20 +16,20 @@ struct CameraPath {
 
 /// How views are made that the source of a path leaves open.
 struct PathConfig {
-  int frames = 120;       // number of views, >= 1
-  View prototype;         // projection, near, far and viewport of every view
+  int frames = 120;  // number of views, >= 1
+  View prototype;    // projection, near, far and viewport of every view
   std::uint64_t seed = 1;
 };
 
-/// A smooth walk through free space: between surfaces, not through them, at about eye height above a floor where the scene
-/// has one, looking mostly along the way. Throws InputError if the scene is empty.
+/// A smooth walk through free space: between surfaces, not through them, at about eye height above a floor where the
+/// scene has one, looking mostly along the way. Throws InputError if the scene is empty.
 CameraPath generate_path(const Scene& scene, const PathConfig& config);
 
-/// Text, one view a line: "x y z" (the eye) or "x y z dx dy dz" (eye and look direction); further words and '#' comments
-/// are ignored. Eyes without direction are each shown turning about the vertical axis. With more frames than lines, eyes
-/// repeat with further directions; with fewer, lines are skipped evenly.
-/// JSON: {"views":[{"eye":[x,y,z],"look":[dx,dy,dz] or "target":[x,y,z],"up":[..],"fov":degrees,"near":m,"far":m}]}.
-/// Throws InputError (file, line or field, reason).
+/// Text, one view a line: "x y z" (the eye) or "x y z dx dy dz" (eye and look direction); further words and '#'
+/// comments are ignored. Eyes without direction are each shown turning about the vertical axis. With more frames than
+/// lines, eyes repeat with further directions; with fewer, lines are skipped evenly. JSON:
+/// {"views":[{"eye":[x,y,z],"look":[dx,dy,dz] or "target":[x,y,z],"up":[..],"fov":degrees,"near":m,"far":m}]}. Throws
+/// InputError (file, line or field, reason).
 CameraPath read_path(const std::filesystem::path& file, const PathConfig& config);
 
 }  // namespace sightline

@@ -103,7 +103,8 @@ class SceneBuilder {
   [[nodiscard]] std::size_t mesh_count() const { return scene_.meshes_.size(); }
 
   /// The finished scene; the builder is empty afterwards.
-  /// Throws InputError: an index beyond the vertices, a coordinate or transform that is not finite, an unknown mesh or cell.
+  /// Throws InputError: an index beyond the vertices, a coordinate or transform that is not finite, an unknown mesh or
+  /// cell.
   Scene build();
 
  private:

@@ -13,20 +13,21 @@ namespace sightline {
 enum class Projection { perspective, orthographic };
 
 struct View {
-  glm::dvec3 eye{0.0};                             // world space, metres
-  glm::dquat orientation{1.0, 0.0, 0.0, 0.0};      // unit; turns view space into world space
+  glm::dvec3 eye{0.0};                         // world space, metres
+  glm::dquat orientation{1.0, 0.0, 0.0, 0.0};  // unit; turns view space into world space
   Projection projection = Projection::perspective;
-  double fov_y = 1.0471975511965976;               // perspective: full vertical angle, radians, in (0, pi)
-  double span_y = 10.0;                            // orthographic: height of the image in metres, > 0
-  double near = 0.1;                               // distance of the near plane, metres, > 0
-  double far = 1000.0;                             // distance of the far plane, metres, > near; may be infinite for perspective
-  int width = 1280, height = 720;                  // viewport in pixels, 1 to 16384
+  double fov_y = 1.0471975511965976;  // perspective: full vertical angle, radians, in (0, pi)
+  double span_y = 10.0;               // orthographic: height of the image in metres, > 0
+  double near = 0.1;                  // distance of the near plane, metres, > 0
+  double far = 1000.0;                // distance of the far plane, metres, > near; may be infinite for perspective
+  int width = 1280, height = 720;     // viewport in pixels, 1 to 16384
 };
 
 /// Throws InputError with the reason if a field is not finite or out of its range.
 void check_view(const View& view);
 
-/// View at `eye` that looks along `direction` (any length > 0); `up` need not be perpendicular. Other fields stay default.
+/// View at `eye` that looks along `direction` (any length > 0); `up` need not be perpendicular. Other fields stay
+/// default.
 View look_along(const glm::dvec3& eye, const glm::dvec3& direction, const glm::dvec3& up = {0.0, 1.0, 0.0});
 
 glm::dvec3 view_direction(const View& view);

@@ -10,8 +10,8 @@
 namespace sightline {
 
 struct GenerateConfig {
-  std::uint32_t objects = 1000;   // about so many objects, 1 to 4 million
-  std::uint64_t triangles = 0;    // about so many triangles over all instances; 0: what the kind finds natural
+  std::uint32_t objects = 1000;  // about so many objects, 1 to 4 million
+  std::uint64_t triangles = 0;   // about so many triangles over all instances; 0: what the kind finds natural
   std::uint64_t seed = 1;
 };
 

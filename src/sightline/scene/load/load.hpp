@@ -22,8 +22,8 @@ struct LoadedScene {
   std::vector<NamedView> cameras;
 };
 
-/// Reads .glb, .gltf, .obj and the other formats of docs/formats.md. Throws InputError (file, position, reason) for a file
-/// that is missing, broken, or asks for what we cannot do; never reads outside the file, never half a scene.
+/// Reads .glb, .gltf, .obj and the other formats of docs/formats.md. Throws InputError (file, position, reason) for a
+/// file that is missing, broken, or asks for what we cannot do; never reads outside the file, never half a scene.
 LoadedScene load_scene(const std::filesystem::path& file);
 
 }  // namespace sightline

@@ -1,0 +1,23 @@
+#include "sightline/core/algorithm.hpp"
+
+namespace sightline {
+
+std::string_view to_string(Family family) { return family == Family::culler ? "culler" : "renderer"; }
+
+std::string_view to_string(Promise promise) {
+  switch (promise) {
+    case Promise::exact:
+      return "exact";
+    case Promise::conservative:
+      return "conservative";
+    case Promise::conservative_continuous:
+      return "conservative-continuous";
+    case Promise::approximate:
+      return "approximate";
+  }
+  return "unknown";
+}
+
+IndexedScene index_scene(const Scene& scene) { return {scene, build_bvh(scene.object_bounds())}; }
+
+}  // namespace sightline

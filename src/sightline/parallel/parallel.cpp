@@ -1,0 +1,31 @@
+#include "sightline/parallel/parallel.hpp"
+
+#include <tbb/global_control.h>
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+
+namespace sightline {
+
+void parallel_blocks(std::size_t count, std::size_t block, const std::function<void(std::size_t, std::size_t)>& body) {
+  block = std::max<std::size_t>(block, 1);
+  const std::size_t blocks = (count + block - 1) / block;
+  if (blocks <= 1) {
+    if (count > 0) body(0, count);
+    return;
+  }
+  tbb::parallel_for(std::size_t{0}, blocks, [&](std::size_t b) { body(b * block, std::min(count, (b + 1) * block)); });
+}
+
+ThreadLimit::ThreadLimit(int threads) {
+  if (threads > 0)
+    control_ = new tbb::global_control(tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(threads));
+}
+
+ThreadLimit::~ThreadLimit() { delete static_cast<tbb::global_control*>(control_); }
+
+int thread_count() {
+  return static_cast<int>(tbb::global_control::active_value(tbb::global_control::max_allowed_parallelism));
+}
+
+}  // namespace sightline

@@ -1,0 +1,55 @@
+#include "sightline/registry.hpp"
+
+#include <array>
+#include <string>
+
+#include "sightline/cull/frustum_hierarchical.hpp"
+#include "sightline/cull/frustum_linear.hpp"
+#include "sightline/cull/none.hpp"
+#include "sightline/scene/input_error.hpp"
+#include "sightline/surface/zbuffer.hpp"
+
+namespace sightline {
+namespace {
+
+constexpr auto cont = Promise::conservative_continuous;
+
+constexpr std::array rows{
+    Algorithm{"none", Family::culler, cont, "every candidate: the trivial potentially visible set", "-", "16.01",
+              make_none},
+    Algorithm{"frustum_linear", Family::culler, cont, "every object's box against the planes of the frustum",
+              "Clark 1976", "20.01 20.12-20.14", make_frustum_linear},
+    Algorithm{"frustum_hierarchical", Family::culler, cont, "the same down a hierarchy, with plane masking",
+              "Clark 1976; Bishop 1998", "20.17 20.18", make_frustum_hierarchical},
+    Algorithm{"zbuffer", Family::renderer, Promise::exact, "per pixel the nearest surface, every triangle drawn",
+              "Strasser 1974; Catmull 1974", "3.01-3.05 3.11", nullptr, make_zbuffer},
+};
+
+}  // namespace
+
+std::span<const Algorithm> algorithms() { return rows; }
+
+const Algorithm& find_algorithm(std::string_view name, Family family) {
+  std::string names;
+  for (const Algorithm& row : rows) {
+    if (row.family != family) continue;
+    if (row.name == name) return row;
+    names += (names.empty() ? "" : ", ") + std::string(row.name);
+  }
+  throw InputError("no " + std::string(to_string(family)) + " is called '" + std::string(name) + "'; there are " +
+                   names);
+}
+
+std::unique_ptr<Culler> make_culler(std::string_view text, const IndexedScene& scene) {
+  const MethodSpec spec = parse_method(text);
+  ParameterReader reader(spec);
+  return find_algorithm(spec.name, Family::culler).make_culler(scene, reader);
+}
+
+std::unique_ptr<Renderer> make_renderer(std::string_view text, const IndexedScene& scene) {
+  const MethodSpec spec = parse_method(text);
+  ParameterReader reader(spec);
+  return find_algorithm(spec.name, Family::renderer).make_renderer(scene, reader);
+}
+
+}  // namespace sightline
