@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <numeric>
 #include <string>
+#include <utility>
 
 #include "sightline/scene/load/gltf_accessor.hpp"
 
@@ -124,17 +125,22 @@ Mesh GltfMeshes::read_shared(const GltfObject& primitive, std::size_t position, 
   Mesh mesh;
   mesh.triangles = read_triangles(primitive, shared.points.size(), mode);
   document_.spend(std::uint64_t{mesh.triangles.size()} * 3 * sizeof(glm::vec3), primitive);
+  // Work goes with the triangles of this primitive, not with the vertices of all; the order of the vertices stays.
   const std::uint32_t number = ++shared.meshes;
-  for (glm::uvec3& triangle : mesh.triangles) {
+  std::vector<std::uint32_t> used;
+  for (const glm::uvec3& triangle : mesh.triangles) {
     for (int corner = 0; corner < 3; ++corner) {
       const std::uint32_t vertex = triangle[corner];
-      if (shared.seen_by[vertex] != number) {
-        shared.seen_by[vertex] = number;
-        shared.new_index[vertex] = static_cast<std::uint32_t>(mesh.positions.size());
-        mesh.positions.push_back(shared.points[vertex]);
-      }
-      triangle[corner] = shared.new_index[vertex];
+      if (std::exchange(shared.seen_by[vertex], number) != number) used.push_back(vertex);
     }
+  }
+  std::ranges::sort(used);
+  for (const std::uint32_t vertex : used) {
+    shared.new_index[vertex] = static_cast<std::uint32_t>(mesh.positions.size());
+    mesh.positions.push_back(shared.points[vertex]);
+  }
+  for (glm::uvec3& triangle : mesh.triangles) {
+    for (int corner = 0; corner < 3; ++corner) triangle[corner] = shared.new_index[triangle[corner]];
   }
   return mesh;
 }
