@@ -4,7 +4,7 @@
 #include "json_output.hpp"
 #include "scene_argument.hpp"
 #include "sightline/scene/generate/generate.hpp"
-#include "sightline/scene/save/save.hpp"
+#include "sightline/scene/save/glb.hpp"
 #include "verbs.hpp"
 
 namespace sightline::cli {
@@ -16,7 +16,7 @@ int run_generate(const GenerateOptions& options) {
   config.triangles = options.triangles;
   config.seed = options.common.seed;
   const Scene scene = as_usage([&] { return generate_scene(options.kind, config); });
-  save_scene(scene, options.output);
+  save_glb(scene, options.output);
   if (!options.common.json_to_stdout() && !options.common.quiet)
     fmt::print("{}: {} objects, {} triangles, {} unique meshes\n", options.output, scene.objects().size(),
                scene.triangle_count(), scene.meshes().size());

@@ -106,7 +106,7 @@ void add_walk(CLI::App& app, WalkOptions& options) {
   add_camera(app, options.camera);
   add_whole(app, "--samples", "check N x N rays for each pixel", options.samples, 1, most_samples);
   app.add_flag("--ids", options.ids, "JSON: add the visible ids and the matrix of each frame, and the objects");
-  app.add_flag("!--no-verify", options.verify, "do not compare with the truth");
+  app.add_flag_callback("--no-verify", [&options] { options.verify = false; }, "do not compare with the truth");
   app.add_option("--report", options.report, "write a page with the result to DIR/index.html")->type_name("DIR");
   add_common(app, options.common);
   app.footer(
@@ -175,14 +175,15 @@ Verb add_verb(CLI::App& app, const std::string& name, const std::string& help, O
   return {verb, &options.common, [&options, run] { return run(options); }};
 }
 
-/// CLI11 does not name a verb that it does not know.
+/// CLI11 names neither a verb that it does not know nor those that there are.
 void check_verb(int argc, char** argv, const std::array<Verb, 5>& verbs) {
-  if (argc < 2 || argv[1][0] == '-') return;
+  if (argc >= 2 && argv[1][0] == '-') return;
   std::string names;
   for (const Verb& verb : verbs) {
-    if (verb.app->get_name() == argv[1]) return;
+    if (argc >= 2 && verb.app->get_name() == argv[1]) return;
     names += (names.empty() ? "" : ", ") + verb.app->get_name();
   }
+  if (argc < 2) throw UsageError(fmt::format("a verb is needed: {}; or --help", names));
   throw UsageError(fmt::format("no verb is called '{}'; there are {}", argv[1], names));
 }
 

@@ -26,10 +26,12 @@ glm::vec3 facing_normal(const Scene& scene, const View& view, ObjectId id, std::
   return glm::vec3(cross / (glm::dot(cross, to_eye) < 0.0 ? -length : length));
 }
 
+/// Light from the eye, from above, and a little from +x, so that no two walls of a box look the same.
 glm::vec3 shaded_colour(const glm::vec3& normal, const glm::vec3& towards_eye) {
   const float from_eye = std::abs(glm::dot(normal, towards_eye));
   const float from_above = 0.5f + 0.5f * normal.y;
-  return glm::vec3(0.93f, 0.92f, 0.90f) * (0.10f + 0.50f * from_eye + 0.40f * from_above);
+  const float from_side = 0.5f + 0.5f * normal.x;
+  return glm::vec3(0.96f, 0.95f, 0.93f) * (0.08f + 0.42f * from_eye + 0.30f * from_above + 0.20f * from_side);
 }
 
 /// Hues apart by the golden ratio: neighbouring ids get colours that differ.

@@ -104,9 +104,7 @@ void write_report(const WalkReport& report, const std::filesystem::path& folder)
   if (place == std::string_view::npos) throw std::logic_error("the report page has no place for the data");
   OutputFile file(folder / "index.html");
   file.write(page.substr(0, place));
-  WalkReport plain = report;
-  plain.ids = false;
-  write_walk_json(plain, [&](std::string_view text) { file.write(script_safe(text)); }, additions(report));
+  write_walk_json(report, false, [&](std::string_view text) { file.write(script_safe(text)); }, additions(report));
   file.write(page.substr(place + marker.size()));
   file.commit();
 }

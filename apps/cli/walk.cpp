@@ -37,7 +37,6 @@ WalkReport start_report(const WalkOptions& options, const Scene& scene) {
   report.height = options.camera.height;
   report.samples = options.samples;
   report.verified = options.verify;
-  report.ids = options.ids;
   return report;
 }
 
@@ -49,21 +48,16 @@ void print_text(const WalkReport& report, const WalkOptions& options) {
   const bool colour = stream == stdout && stdout_has_colour();
   for (const WalkRun& run : report.runs) {
     const WalkSummary summary = summarise(report, run);
-    const char* shade = summary.missed.value_or(0) == 0 ? "\x1b[32m" : summary.broken_promise ? "\x1b[31m" : "\x1b[33m";
+    const char* shade = summary.missed == 0u ? "\x1b[32m" : summary.broken_promise ? "\x1b[31m" : "\x1b[33m";
     fmt::print(stream, "{}{}{}\n", colour ? shade : "", verdict_line(report, run), colour ? "\x1b[0m" : "");
   }
-}
-
-int exit_code(const WalkReport& report) {
-  for (const WalkRun& run : report.runs)
-    if (summarise(report, run).broken_promise) return exit_missed;
-  return report.interrupted ? exit_interrupted : exit_ok;
 }
 
 }  // namespace
 
 int run_walk(const WalkOptions& options) {
   check_methods(options);
+  catch_interrupts();
   std::optional<OutputFile> json;
   if (!options.common.json.empty()) json.emplace(options.common.json);
   if (!options.report.empty()) prepare_report(options.report);
@@ -75,14 +69,13 @@ int run_walk(const WalkOptions& options) {
   if (options.verify || !options.report.empty()) oracle.emplace(loaded.scene);
 
   WalkReport report = start_report(options, loaded.scene);
-  catch_interrupts();
   walk_frames(options, indexed, path.views, oracle ? &*oracle : nullptr, report);
 
-  print_text(report, options);
   if (json) {
-    write_walk_json(report, [&](std::string_view text) { json->write(text); });
+    write_walk_json(report, options.ids, [&](std::string_view text) { json->write(text); });
     json->commit();
   }
+  print_text(report, options);
   if (!options.report.empty()) {
     report.pictures = draw_pictures(report, *oracle);
     write_report(report, options.report);

@@ -16,7 +16,7 @@ Json or_null(const std::optional<T>& value) {
   return value ? Json(*value) : Json(nullptr);
 }
 
-Json frame_json(const WalkReport& report, const WalkView& view, const WalkAnswer& answer) {
+Json frame_json(const WalkView& view, const WalkAnswer& answer, bool ids) {
   const bool verified = view.truth.has_value();
   Json json{{"frame", view.frame},
             {"eye", {view.view.eye.x, view.view.eye.y, view.view.eye.z}},
@@ -30,7 +30,7 @@ Json frame_json(const WalkReport& report, const WalkView& view, const WalkAnswer
             {"cull_ms", answer.cull_ms},
             {"truth_ms", verified ? Json(view.truth_ms) : Json(nullptr)},
             {"triangles_submitted", answer.triangles_submitted}};
-  if (report.ids) {
+  if (ids) {
     json["visible_ids"] = answer.visible_ids;
     const glm::dmat4 matrix = view_projection(view.view);
     json["view_projection"] = std::vector<double>(glm::value_ptr(matrix), glm::value_ptr(matrix) + 16);
@@ -82,31 +82,31 @@ void write_head(const WalkReport& report, const TextSink& sink) {
 }
 
 /// Everything of a run but its closing brace.
-void write_run(const WalkReport& report, const WalkRun& run, const TextSink& sink) {
+void write_run(const WalkReport& report, const WalkRun& run, bool ids, const TextSink& sink) {
   write_head(report, sink);
   sink(",\n\"method\":" + text_of(run.method) + ",\n\"promise\":" + text_of(to_string(run.promise)));
   sink(",\n\"frames\":");
   write_array(sink, run.answers.size(),
-              [&](std::size_t i) { return frame_json(report, report.views[i], run.answers[i]); });
+              [&](std::size_t i) { return frame_json(report.views[i], run.answers[i], ids); });
   sink(",\n\"summary\":" + text_of(summary_json(report, run)));
 }
 
 }  // namespace
 
-void write_walk_json(const WalkReport& report, const TextSink& sink, std::string_view extra) {
+void write_walk_json(const WalkReport& report, bool ids, const TextSink& sink, std::string_view extra) {
   if (report.runs.size() == 1) {
-    write_run(report, report.runs.front(), sink);
+    write_run(report, report.runs.front(), ids, sink);
   } else {
     write_head(report, sink);
     sink(",\n\"runs\":[\n");
     for (std::size_t i = 0; i < report.runs.size(); ++i) {
       if (i > 0) sink(",\n");
-      write_run(report, report.runs[i], sink);
+      write_run(report, report.runs[i], ids, sink);
       sink("}");
     }
     sink("]");
   }
-  if (report.ids) {
+  if (ids) {
     sink(",\n\"objects\":");
     write_array(sink, report.scene->objects().size(),
                 [&](std::size_t i) { return object_json(*report.scene, static_cast<ObjectId>(i)); });

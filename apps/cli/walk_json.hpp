@@ -10,10 +10,10 @@ namespace sightline::cli {
 
 using TextSink = std::function<void(std::string_view)>;
 
-/// Writes the document piece by piece, one frame a line: with --ids it may be far larger than memory wants twice.
+/// Writes the document piece by piece, one frame a line: with ids it may be far larger than memory wants twice.
 /// One run: {"schema", "size", "method", "scene", "frames", "summary"}; several: {"schema", "size", "scene", "runs":
-/// [one such document each]}. With --ids "objects" stands once at the top. `extra` is put before the closing brace as
+/// [one such document each]}. With `ids` "objects" stands once at the top. `extra` is put before the closing brace as
 /// it is.
-void write_walk_json(const WalkReport& report, const TextSink& sink, std::string_view extra = {});
+void write_walk_json(const WalkReport& report, bool ids, const TextSink& sink, std::string_view extra = {});
 
 }  // namespace sightline::cli

@@ -51,9 +51,12 @@ std::string missed_words(const WalkReport& report, const WalkRun& run) {
     ++frames;
     first = i;
   }
-  return fmt::format(
+  std::string words = fmt::format(
       "{} times something visible was missed ({} objects in {} of {} frames, first object {} in frame {})", missed,
       distinct_missed(run), frames, run.answers.size(), run.answers[first].missed.front(), report.views[first].frame);
+  if (report.samples > 1 && run.promise != Promise::conservative_continuous)
+    words += fmt::format(" by {0} x {0} rays a pixel, where the promise is for pixel centres", report.samples);
+  return words;
 }
 
 }  // namespace
@@ -72,6 +75,12 @@ WalkSummary summarise(const WalkReport& report, const WalkRun& run) {
   const double triangles = static_cast<double>(report.scene->triangle_count());
   if (triangles > 0.0) summary.triangles_fraction = submitted / static_cast<double>(run.answers.size()) / triangles;
   return summary;
+}
+
+ExitCode exit_code(const WalkReport& report) {
+  for (const WalkRun& run : report.runs)
+    if (summarise(report, run).broken_promise) return exit_missed;
+  return report.interrupted ? exit_interrupted : exit_ok;
 }
 
 std::string verdict_line(const WalkReport& report, const WalkRun& run) {

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "options.hpp"
 #include "sightline/core/algorithm.hpp"
 #include "sightline/core/counters.hpp"
 #include "sightline/scene/scene.hpp"
@@ -60,7 +61,6 @@ struct WalkReport {
   int samples = 1;
   bool verified = false;
   bool interrupted = false;
-  bool ids = false;
   std::vector<WalkView> views;
   std::vector<WalkRun> runs;
   std::vector<WalkPicture> pictures;
@@ -78,6 +78,9 @@ struct WalkSummary {
 };
 
 WalkSummary summarise(const WalkReport& report, const WalkRun& run);
+
+/// exit_missed if a promise is broken, else exit_interrupted or exit_ok.
+ExitCode exit_code(const WalkReport& report);
 
 /// One line for a person: the verdict and what it rests on.
 std::string verdict_line(const WalkReport& report, const WalkRun& run);

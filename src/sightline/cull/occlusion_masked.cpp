@@ -2,8 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <optional>
 
+#include "sightline/parallel/parallel.hpp"
 #include "sightline/raster/occlusion_buffer.hpp"
 
 namespace sightline {
@@ -16,7 +16,11 @@ class OcclusionMasked final : public Culler {
         bvh_(scene.bvh),
         config_(config),
         buffer_(config.scalar),
-        meshes_(scene.scene.meshes().size()) {}
+        meshes_(scene.scene.meshes().size()) {
+    parallel_blocks(meshes_.size(), 4, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t i = begin; i < end; ++i) prepare(i);
+    });
+  }
 
   void cull(const View& view, const VisibleSet& candidates, VisibleSet& visible, Counters& counters) override {
     visible.reset(candidates.universe());
@@ -96,10 +100,11 @@ class OcclusionMasked final : public Culler {
     return focal * static_cast<double>(size) / std::max(static_cast<double>(distance), view.near);
   }
 
-  const OccluderMesh& occluder_mesh(MeshId id) {
-    std::optional<OccluderMesh>& mesh = meshes_[id];
-    if (!mesh) mesh = make_occluder(scene_.meshes()[id].positions, scene_.meshes()[id].triangles);
-    return *mesh;
+  /// Makes the occluder of a mesh, unless it can never fit the budget.
+  void prepare(std::size_t i) {
+    const Mesh& mesh = scene_.meshes()[i];
+    if (mesh.triangles.size() <= static_cast<std::size_t>(config_.triangles))
+      meshes_[i] = make_occluder(mesh.positions, mesh.triangles);
   }
 
   void draw_occluders(const View& view, Counters& counters) {
@@ -113,7 +118,7 @@ class OcclusionMasked final : public Culler {
       const auto triangles = static_cast<std::int64_t>(scene_.meshes()[object.mesh].triangles.size());
       if (triangles > budget) continue;
       budget -= triangles;
-      buffer_.add_occluder(occluder_mesh(object.mesh), object.transform);
+      buffer_.add_occluder(meshes_[object.mesh], object.transform);
     }
     buffer_.finish();
     counters.occluders += buffer_.counts().occluders;
@@ -162,7 +167,7 @@ class OcclusionMasked final : public Culler {
   const Bvh& bvh_;
   OcclusionMaskedConfig config_;
   OcclusionBuffer buffer_;
-  std::vector<std::optional<OccluderMesh>> meshes_;
+  std::vector<OccluderMesh> meshes_;  // by mesh id; empty where it can never fit the budget
   Frustum frustum_;
   std::vector<Visit> stack_;
   std::vector<Occluder> occluders_;

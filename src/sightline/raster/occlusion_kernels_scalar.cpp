@@ -21,11 +21,14 @@ void Tiles::resize(int new_width, int new_height) {
   const auto count = static_cast<std::size_t>(across) * static_cast<std::size_t>(down);
   hidden.assign(count * tile_pixels, nothing_near);
   // Pixels of the last tiles that lie beyond the image must not keep a tile from counting as hidden.
-  for (std::size_t i = 0; i < hidden.size(); ++i) {
-    const auto tile = static_cast<int>(i / tile_pixels), lane = static_cast<int>(i % tile_pixels);
-    const int x = tile % across * tile_size + lane % tile_size, y = tile / across * tile_size + lane / tile_size;
-    if (x >= width || y >= height) hidden[i] = std::numeric_limits<float>::infinity();
-  }
+  for (int row = 0; row < down; ++row)
+    for (int column = 0; column < across; ++column) {
+      if (column < across - 1 && row < down - 1) column = across - 1;
+      float* pixels = hidden.data() + static_cast<std::size_t>(row * across + column) * tile_pixels;
+      for (int lane = 0; lane < tile_pixels; ++lane)
+        if (column * tile_size + lane % tile_size >= width || row * tile_size + lane / tile_size >= height)
+          pixels[lane] = std::numeric_limits<float>::infinity();
+    }
   layer.assign(count * tile_pixels, std::numeric_limits<float>::infinity());
   covered.assign(count, 0);
   contour.assign(count, 0);
