@@ -70,8 +70,8 @@ HWY_INLINE Edge make_edge(float x0, float y0, float x1, float y1, float sign, fl
 HWY_INLINE float at(const Edge& e, float x, float y) { return e.a * (x - e.x0) + e.b * (y - e.y0); }
 
 /// A centre this little outside of a triangle (by its edges, scaled as above, and by its box, pixels) still counts as
-/// covered, so that rounding opens no seam between two triangles. Safe because it is less than the margin by which contour
-/// edges are widened; the box cuts off what the widened edges of a sliver would claim beyond its tips.
+/// covered, so that rounding opens no seam between two triangles. Safe because it is less than the margin by which
+/// contour edges are widened; the box cuts off what the widened edges of a sliver would claim beyond its tips.
 inline constexpr float edge_slack = 0.01f;
 inline constexpr float box_slack = 0.004f;
 

@@ -25,6 +25,11 @@ struct PathConfig {
 /// scene has one, looking mostly along the way. Throws InputError if the scene is empty.
 CameraPath generate_path(const Scene& scene, const PathConfig& config);
 
+/// Views made to break algorithms, in turn: jumps to far places, turns on the spot, eyes that touch a surface (within
+/// the near plane's distance), eyes within the bounds of objects and within objects, far away, straight up and down.
+/// Next views have nothing in common. Same config, same views. Throws InputError if the scene is empty.
+CameraPath stress_path(const Scene& scene, const PathConfig& config);
+
 /// `frames` views from a file of eyes.
 /// Text, one view a line: "x y z" (the eye) or "x y z dx dy dz" (eye and look direction); further words and '#'
 /// comments are ignored, and there is a direction only where the fourth to the sixth word are all numbers. A direction
