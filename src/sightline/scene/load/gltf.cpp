@@ -17,7 +17,7 @@ namespace {
 /// Many more than any renderer takes, few enough to hold: 1.3 GB of objects.
 constexpr std::size_t most_objects = std::size_t{1} << 24;
 
-glm::dmat4 affine_matrix(const GltfObject& node, std::span<const double, 16> values) {
+glm::dmat4 affine_matrix(const JsonObject& node, std::span<const double, 16> values) {
   glm::dmat4 matrix;
   for (int column = 0; column < 4; ++column) {
     for (int row = 0; row < 4; ++row) matrix[column][row] = values[static_cast<std::size_t>(column * 4 + row)];
@@ -35,7 +35,7 @@ glm::dmat4 compose(const glm::dvec3& translation, const glm::dquat& rotation, co
 }
 
 /// The transform of a node relative to its parent.
-glm::dmat4 local_matrix(const GltfObject& node) {
+glm::dmat4 local_matrix(const JsonObject& node) {
   std::array<double, 16> matrix{};
   if (node.numbers("matrix", matrix)) return affine_matrix(node, matrix);
   std::array<double, 3> t{0.0, 0.0, 0.0}, s{1.0, 1.0, 1.0};
@@ -97,7 +97,7 @@ class GltfReader {
     while (!pending.empty()) {
       const Visit visit = pending.back();
       pending.pop_back();
-      const GltfObject node = document_.item("nodes", visit.node);
+      const JsonObject node = document_.item("nodes", visit.node);
       if (visited_[visit.node]) node.fail("is reached twice: a node must have one parent and not be its own ancestor");
       visited_[visit.node] = true;
       const glm::dmat4 world = visit.parent * local_matrix(node);
@@ -106,13 +106,13 @@ class GltfReader {
     }
   }
 
-  void add_objects(const GltfObject& node, std::size_t index, const glm::dmat4& world) {
+  void add_objects(const JsonObject& node, std::size_t index, const glm::dmat4& world) {
     const auto mesh = node.reference("mesh", document_.count("meshes"));
     if (!mesh) return;
     add_instance(node, index, *mesh, world);
   }
 
-  void add_instance(const GltfObject& node, std::size_t index, std::size_t mesh, const glm::dmat4& world) {
+  void add_instance(const JsonObject& node, std::size_t index, std::size_t mesh, const glm::dmat4& world) {
     const std::span<const GltfMeshes::Part> parts = meshes_.parts(mesh);
     const std::string name = object_name(node, index, mesh);
     const Affine transform = to_affine(world);
@@ -130,7 +130,7 @@ class GltfReader {
     }
   }
 
-  std::string object_name(const GltfObject& node, std::size_t index, std::size_t mesh) const {
+  std::string object_name(const JsonObject& node, std::size_t index, std::size_t mesh) const {
     if (const std::string& name = node.text("name"); !name.empty()) return name;
     if (const std::string& name = document_.item("meshes", mesh).text("name"); !name.empty()) return name;
     return "node " + std::to_string(index);

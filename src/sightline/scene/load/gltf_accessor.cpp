@@ -29,7 +29,7 @@ std::size_t component_size(GltfComponent component) {
   }
 }
 
-GltfComponent component_of(const GltfObject& object) {
+GltfComponent component_of(const JsonObject& object) {
   const std::uint64_t code = object.required_integer("componentType");
   if (code < 5120 || code > 5126 || code == 5124) {
     object.fail("componentType", std::to_string(code) + " is no glTF component type");
@@ -37,7 +37,7 @@ GltfComponent component_of(const GltfObject& object) {
   return static_cast<GltfComponent>(code);
 }
 
-int components_of(const GltfObject& accessor) {
+int components_of(const JsonObject& accessor) {
   const std::string& type = accessor.text("type");
   if (type == "SCALAR") return 1;
   if (type == "VEC2") return 2;
@@ -48,7 +48,7 @@ int components_of(const GltfObject& accessor) {
 
 /// Checks that the elements of `array` lie within its data. `stride` is set; the sizes cannot overflow (see the
 /// limits).
-void check_range(const GltfArray& array, std::uint64_t offset, const GltfObject& object) {
+void check_range(const GltfArray& array, std::uint64_t offset, const JsonObject& object) {
   if (array.count == 0) return;
   const std::size_t size = component_size(array.component) * static_cast<std::size_t>(array.components);
   const std::uint64_t needed = offset + (array.count - 1) * array.stride + size;
@@ -59,12 +59,12 @@ void check_range(const GltfArray& array, std::uint64_t offset, const GltfObject&
 }
 
 /// The part of a buffer view that `object` (an accessor, or half of a sparse one) describes.
-void open_view(GltfDocument& document, const GltfObject& object, GltfArray& array, bool strided) {
+void open_view(GltfDocument& document, const JsonObject& object, GltfArray& array, bool strided) {
   const std::optional<std::size_t> index = object.reference("bufferView", document.count("bufferViews"));
   const std::size_t size = component_size(array.component) * static_cast<std::size_t>(array.components);
   array.stride = size;
   if (!index) return;
-  const GltfObject view = document.item("bufferViews", *index);
+  const JsonObject view = document.item("bufferViews", *index);
   if (const auto stride = view.integer("byteStride", largest_stride); stride && strided) {
     if (*stride < size) view.fail("byteStride", std::to_string(*stride) + " is less than the element size");
     array.stride = static_cast<std::size_t>(*stride);
@@ -150,10 +150,10 @@ struct SparsePart {
   GltfArray values;
 };
 
-SparsePart open_sparse(GltfDocument& document, const GltfObject& sparse, const GltfArray& base) {
+SparsePart open_sparse(GltfDocument& document, const JsonObject& sparse, const GltfArray& base) {
   const auto count = static_cast<std::size_t>(sparse.required_integer("count", base.count));
-  const std::optional<GltfObject> indices = sparse.object("indices");
-  const std::optional<GltfObject> values = sparse.object("values");
+  const std::optional<JsonObject> indices = sparse.object("indices");
+  const std::optional<JsonObject> values = sparse.object("values");
   if (!indices || !values) sparse.fail("needs indices and values");
   if (!indices->has("bufferView")) indices->fail("bufferView", "is missing");
   if (!values->has("bufferView")) values->fail("bufferView", "is missing");
@@ -178,8 +178,8 @@ SparsePart open_sparse(GltfDocument& document, const GltfObject& sparse, const G
 /// All elements of an accessor, sparse ones replaced, one `Number` for each component.
 template <class Number, class Convert>
 std::vector<Number> read_elements(GltfDocument& document, std::size_t index, const GltfArray& array, Convert convert) {
-  const GltfObject accessor = document.item("accessors", index);
-  const std::optional<GltfObject> sparse = accessor.object("sparse");
+  const JsonObject accessor = document.item("accessors", index);
+  const std::optional<JsonObject> sparse = accessor.object("sparse");
   const auto components = static_cast<std::size_t>(array.components);
   document.spend(std::uint64_t{array.count} * components * sizeof(Number), accessor);
   std::vector<Number> numbers(array.count * components);
@@ -198,7 +198,7 @@ std::vector<Number> read_elements(GltfDocument& document, std::size_t index, con
 }  // namespace
 
 GltfArray open_accessor(GltfDocument& document, std::size_t index) {
-  const GltfObject accessor = document.item("accessors", index);
+  const JsonObject accessor = document.item("accessors", index);
   GltfArray array;
   array.count = static_cast<std::size_t>(accessor.required_integer("count", most_elements));
   array.component = component_of(accessor);
@@ -209,7 +209,7 @@ GltfArray open_accessor(GltfDocument& document, std::size_t index) {
 }
 
 std::vector<float> read_floats(GltfDocument& document, std::size_t index, int components) {
-  const GltfObject accessor = document.item("accessors", index);
+  const JsonObject accessor = document.item("accessors", index);
   const GltfArray array = open_accessor(document, index);
   if (array.components != components) {
     accessor.fail("type", "must have " + std::to_string(components) + " components here");
@@ -235,7 +235,7 @@ std::vector<glm::vec3> read_points(GltfDocument& document, std::size_t index) {
 }
 
 std::vector<std::uint32_t> read_indices(GltfDocument& document, std::size_t index) {
-  const GltfObject accessor = document.item("accessors", index);
+  const JsonObject accessor = document.item("accessors", index);
   const GltfArray array = open_accessor(document, index);
   if (array.components != 1) accessor.fail("type", "indices must be SCALAR");
   const bool is_unsigned = array.component == GltfComponent::uint8 || array.component == GltfComponent::uint16 ||

@@ -9,8 +9,6 @@
 
 namespace sightline {
 
-using nlohmann::json;
-
 namespace {
 
 // A file may decode to this much, plus so many times its own size: the most that an honest compressed file does.
@@ -27,27 +25,6 @@ bool is_appearance(std::string_view extension) {
          extension.starts_with("EXT_texture_") || extension == "MSFT_texture_dds";
 }
 
-/// nlohmann's "[json.exception.parse_error.101] parse error at line 1, column 5: reason" as position and reason.
-[[noreturn]] void throw_parse_error(const std::string& file, std::string_view what) {
-  if (const std::size_t bracket = what.find("] "); bracket != std::string_view::npos) what.remove_prefix(bracket + 2);
-  std::string position = "JSON";
-  constexpr std::string_view prefix = "parse error at ";
-  if (const std::size_t colon = what.find(": "); what.starts_with(prefix) && colon != std::string_view::npos) {
-    position += " " + std::string(what.substr(prefix.size(), colon - prefix.size()));
-    what.remove_prefix(colon + 2);
-  }
-  throw InputError(file, position, one_line(what));
-}
-
-json parse_json(const std::string& file, std::span<const std::byte> bytes) {
-  const char* text = reinterpret_cast<const char*>(bytes.data());
-  try {
-    return json::parse(text, text + bytes.size());
-  } catch (const json::exception& error) {
-    throw_parse_error(file, error.what());
-  }
-}
-
 }  // namespace
 
 GltfDocument::GltfDocument(const std::filesystem::path& file, Bytes bytes)
@@ -61,7 +38,7 @@ GltfDocument::GltfDocument(const std::filesystem::path& file, Bytes bytes)
 }
 
 void GltfDocument::check_version() const {
-  const std::optional<GltfObject> asset = root().object("asset");
+  const std::optional<JsonObject> asset = root().object("asset");
   if (!asset) root().fail("asset", "is missing: this is no glTF 2.0 file");
   const std::string& version = asset->text("version");
   if (!version.starts_with("2.")) asset->fail("version", in_quotes(version) + " is not 2.x");
@@ -81,14 +58,14 @@ void GltfDocument::check_extensions() {
   }
 }
 
-void GltfDocument::spend(std::uint64_t bytes, const GltfObject& what) {
+void GltfDocument::spend(std::uint64_t bytes, const JsonObject& what) {
   if (bytes > allowance_ - spent_) {
     what.fail("the file asks for more than " + std::to_string(allowance_ >> 20) + " MiB of geometry");
   }
   spent_ += bytes;
 }
 
-Bytes GltfDocument::read_buffer(const GltfObject& buffer, std::uint64_t length) const {
+Bytes GltfDocument::read_buffer(const JsonObject& buffer, std::uint64_t length) const {
   const std::string& uri = buffer.text("uri");
   const std::string place = buffer.place() + ".uri";
   if (std::optional<Bytes> bytes = decode_data_uri(uri, file_, place)) return *std::move(bytes);
@@ -101,7 +78,7 @@ Bytes GltfDocument::read_buffer(const GltfObject& buffer, std::uint64_t length) 
 }
 
 std::span<const std::byte> GltfDocument::buffer(std::size_t index) {
-  const GltfObject buffer = item("buffers", index);
+  const JsonObject buffer = item("buffers", index);
   const std::uint64_t length = buffer.required_integer("byteLength");
   std::span<const std::byte> bytes;
   if (index == 0 && !buffer.has("uri") && chunks_.binary) {
@@ -123,7 +100,7 @@ std::span<const std::byte> GltfDocument::buffer(std::size_t index) {
   return bytes.first(static_cast<std::size_t>(length));
 }
 
-std::span<const std::byte> GltfDocument::range(const GltfObject& view) {
+std::span<const std::byte> GltfDocument::range(const JsonObject& view) {
   const std::optional<std::size_t> index = view.reference("buffer", count("buffers"));
   if (!index) view.fail("buffer", "is missing");
   const std::span<const std::byte> bytes = buffer(*index);
@@ -137,5 +114,10 @@ std::span<const std::byte> GltfDocument::range(const GltfObject& view) {
 }
 
 std::span<const std::byte> GltfDocument::view(std::size_t index) { return range(item("bufferViews", index)); }
+
+std::optional<JsonObject> gltf_extension(const JsonObject& object, std::string_view name) {
+  const std::optional<JsonObject> extensions = object.object("extensions");
+  return extensions ? extensions->object(name) : std::nullopt;
+}
 
 }  // namespace sightline

@@ -11,7 +11,7 @@
 
 #include "sightline/scene/load/file_bytes.hpp"
 #include "sightline/scene/load/gltf_container.hpp"
-#include "sightline/scene/load/gltf_json.hpp"
+#include "sightline/scene/load/json_object.hpp"
 
 namespace sightline {
 
@@ -24,16 +24,16 @@ class GltfDocument {
   GltfDocument& operator=(const GltfDocument&) = delete;
 
   [[nodiscard]] const std::string& file() const { return file_; }
-  [[nodiscard]] GltfObject root() const { return {json_, file_, ""}; }
+  [[nodiscard]] JsonObject root() const { return {json_, file_, ""}; }
   [[nodiscard]] std::size_t count(std::string_view list) const { return root().count(list); }
-  [[nodiscard]] GltfObject item(std::string_view list, std::size_t index) const { return root().item(list, index); }
+  [[nodiscard]] JsonObject item(std::string_view list, std::size_t index) const { return root().item(list, index); }
 
   /// The bytes of bufferViews[index], decompressed if need be. Throws InputError.
   std::span<const std::byte> view(std::size_t index);
 
   /// Notes that `bytes` are about to be allocated for `what`. Throws InputError if that makes the whole much larger
   /// than the file can be meant to hold, so that a small file cannot ask for all memory.
-  void spend(std::uint64_t bytes, const GltfObject& what);
+  void spend(std::uint64_t bytes, const JsonObject& what);
 
   void warn(std::string line) { warnings_.push_back(std::move(line)); }
   [[nodiscard]] const std::vector<std::string>& warnings() const { return warnings_; }
@@ -42,8 +42,8 @@ class GltfDocument {
   void check_version() const;
   void check_extensions();
   std::span<const std::byte> buffer(std::size_t index);
-  Bytes read_buffer(const GltfObject& buffer, std::uint64_t length) const;
-  std::span<const std::byte> range(const GltfObject& view);
+  Bytes read_buffer(const JsonObject& buffer, std::uint64_t length) const;
+  std::span<const std::byte> range(const JsonObject& view);
 
   std::string file_;
   Bytes bytes_;
@@ -54,5 +54,8 @@ class GltfDocument {
   std::uint64_t allowance_;
   std::vector<std::string> warnings_;
 };
+
+/// The extension of that name; nothing if `object` does not have it.
+std::optional<JsonObject> gltf_extension(const JsonObject& object, std::string_view name);
 
 }  // namespace sightline

@@ -17,7 +17,7 @@ namespace {
 constexpr std::uint64_t mode_triangles = 4, mode_strip = 5, mode_fan = 6;
 constexpr std::size_t no_accessor = static_cast<std::size_t>(-1);
 
-std::string mesh_name(const GltfObject& mesh, std::size_t index) {
+std::string mesh_name(const JsonObject& mesh, std::size_t index) {
   const std::string& name = mesh.text("name");
   return name.empty() ? "mesh " + std::to_string(index) : name;
 }
@@ -52,9 +52,9 @@ GltfMeshes::GltfMeshes(GltfDocument& document, SceneBuilder& builder)
 
 void GltfMeshes::count_uses() {
   for (std::size_t m = 0; m < parts_.size(); ++m) {
-    const GltfObject mesh = document_.item("meshes", m);
+    const JsonObject mesh = document_.item("meshes", m);
     for (std::size_t p = 0; p < mesh.count("primitives"); ++p) {
-      const std::optional<GltfObject> attributes = mesh.item("primitives", p).object("attributes");
+      const std::optional<JsonObject> attributes = mesh.item("primitives", p).object("attributes");
       if (!attributes) continue;
       if (const auto position = attributes->reference("POSITION", uses_.size())) ++uses_[*position];
     }
@@ -68,13 +68,13 @@ std::span<const GltfMeshes::Part> GltfMeshes::parts(std::size_t index) {
 }
 
 std::vector<GltfMeshes::Part> GltfMeshes::read_parts(std::size_t index) {
-  const GltfObject mesh = document_.item("meshes", index);
+  const JsonObject mesh = document_.item("meshes", index);
   const std::string name = mesh_name(mesh, index);
   const std::size_t count = mesh.count("primitives");
   if (count == 0) mesh.fail("primitives", "is missing or empty");
   std::vector<Part> parts;
   for (std::size_t p = 0; p < count; ++p) {
-    const GltfObject primitive = mesh.item("primitives", p);
+    const JsonObject primitive = mesh.item("primitives", p);
     const bool opaque = is_opaque(primitive);
     if (const auto id = read_geometry(primitive, name)) parts.push_back({*id, static_cast<std::int32_t>(p), opaque});
     if (primitive.count("targets") > 0) document_.warn(primitive.place() + ": morph targets are not used");
@@ -82,9 +82,9 @@ std::vector<GltfMeshes::Part> GltfMeshes::read_parts(std::size_t index) {
   return parts;
 }
 
-std::optional<MeshId> GltfMeshes::read_geometry(const GltfObject& primitive, const std::string& name) {
+std::optional<MeshId> GltfMeshes::read_geometry(const JsonObject& primitive, const std::string& name) {
   const std::uint64_t mode = primitive.integer("mode", mode_fan).value_or(mode_triangles);
-  const std::optional<GltfObject> attributes = primitive.object("attributes");
+  const std::optional<JsonObject> attributes = primitive.object("attributes");
   const auto position = attributes ? attributes->reference("POSITION", uses_.size()) : std::nullopt;
   if (mode < mode_triangles || !position) {
     document_.warn(primitive.place() + (position ? ": points and lines are left out" : ": has no positions, left out"));
@@ -105,14 +105,14 @@ std::optional<MeshId> GltfMeshes::read_geometry(const GltfObject& primitive, con
   return id;
 }
 
-Mesh GltfMeshes::read_alone(const GltfObject& primitive, std::size_t position, std::uint64_t mode) {
+Mesh GltfMeshes::read_alone(const JsonObject& primitive, std::size_t position, std::uint64_t mode) {
   Mesh mesh;
   mesh.positions = read_points(document_, position);
   mesh.triangles = read_triangles(primitive, mesh.positions.size(), mode);
   return mesh;
 }
 
-Mesh GltfMeshes::read_shared(const GltfObject& primitive, std::size_t position, std::uint64_t mode) {
+Mesh GltfMeshes::read_shared(const JsonObject& primitive, std::size_t position, std::uint64_t mode) {
   auto entry = shared_.find(position);
   if (entry == shared_.end()) {
     SharedPoints points{read_points(document_, position), {}, {}};
@@ -145,7 +145,7 @@ Mesh GltfMeshes::read_shared(const GltfObject& primitive, std::size_t position, 
   return mesh;
 }
 
-std::vector<glm::uvec3> GltfMeshes::read_triangles(const GltfObject& primitive, std::size_t points,
+std::vector<glm::uvec3> GltfMeshes::read_triangles(const JsonObject& primitive, std::size_t points,
                                                    std::uint64_t mode) {
   std::vector<std::uint32_t> corners;
   if (const auto indices = primitive.reference("indices", uses_.size())) {
@@ -169,15 +169,15 @@ std::vector<glm::uvec3> GltfMeshes::read_triangles(const GltfObject& primitive, 
   return assemble(corners, mode);
 }
 
-bool GltfMeshes::is_opaque(const GltfObject& primitive) const {
+bool GltfMeshes::is_opaque(const JsonObject& primitive) const {
   const auto index = primitive.reference("material", document_.count("materials"));
   if (!index) return true;
-  const GltfObject material = document_.item("materials", *index);
+  const JsonObject material = document_.item("materials", *index);
   const std::string& mode = material.text("alphaMode");
   if (!mode.empty() && mode != "OPAQUE" && mode != "MASK" && mode != "BLEND") {
     material.fail("alphaMode", in_quotes(mode) + " is none of OPAQUE, MASK, BLEND");
   }
-  const std::optional<GltfObject> transmission = material.extension("KHR_materials_transmission");
+  const std::optional<JsonObject> transmission = gltf_extension(material, "KHR_materials_transmission");
   const bool transmits = transmission && transmission->number("transmissionFactor").value_or(0.0) > 0.0;
   return !transmits && mode != "MASK" && mode != "BLEND";
 }

@@ -42,11 +42,11 @@ class GltfMeshes {
 
   void count_uses();
   std::vector<Part> read_parts(std::size_t index);
-  std::optional<MeshId> read_geometry(const GltfObject& primitive, const std::string& name);
-  Mesh read_alone(const GltfObject& primitive, std::size_t position, std::uint64_t mode);
-  Mesh read_shared(const GltfObject& primitive, std::size_t position, std::uint64_t mode);
-  std::vector<glm::uvec3> read_triangles(const GltfObject& primitive, std::size_t points, std::uint64_t mode);
-  [[nodiscard]] bool is_opaque(const GltfObject& primitive) const;
+  std::optional<MeshId> read_geometry(const JsonObject& primitive, const std::string& name);
+  Mesh read_alone(const JsonObject& primitive, std::size_t position, std::uint64_t mode);
+  Mesh read_shared(const JsonObject& primitive, std::size_t position, std::uint64_t mode);
+  std::vector<glm::uvec3> read_triangles(const JsonObject& primitive, std::size_t points, std::uint64_t mode);
+  [[nodiscard]] bool is_opaque(const JsonObject& primitive) const;
 
   GltfDocument& document_;
   SceneBuilder& builder_;

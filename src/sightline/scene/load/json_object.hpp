@@ -1,7 +1,8 @@
-// JSON objects of a glTF file together with where they stand in it, so that every wrong value is reported by its place.
+// JSON objects together with where they stand in their file, so that every wrong value is reported by its place.
 // Promise: each access checks presence, kind and range, and throws InputError(file, "accessors[3].count", reason).
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -12,10 +13,13 @@
 
 namespace sightline {
 
-class GltfObject {
+/// The JSON in `bytes`. Throws InputError(file, "JSON line 1, column 5", reason) if it is broken.
+nlohmann::json parse_json(const std::string& file, std::span<const std::byte> bytes);
+
+class JsonObject {
  public:
   /// `value`, `file` must outlive this. Throws InputError if `value` is no JSON object.
-  GltfObject(const nlohmann::json& value, const std::string& file, std::string place);
+  JsonObject(const nlohmann::json& value, const std::string& file, std::string place);
 
   [[nodiscard]] const std::string& place() const { return place_; }
   [[nodiscard]] bool has(std::string_view field) const { return find(field) != nullptr; }
@@ -37,13 +41,11 @@ class GltfObject {
   /// Texts of an array; empty if the field is absent.
   [[nodiscard]] std::vector<std::string> texts(std::string_view field) const;
   /// The object in a field; nothing if the field is absent.
-  [[nodiscard]] std::optional<GltfObject> object(std::string_view field) const;
+  [[nodiscard]] std::optional<JsonObject> object(std::string_view field) const;
   /// How many entries the array in a field has; 0 if the field is absent.
   [[nodiscard]] std::size_t count(std::string_view field) const;
   /// Entry `index` < count(field) of the array in a field.
-  [[nodiscard]] GltfObject item(std::string_view field, std::size_t index) const;
-  /// The extension of that name; nothing if this object does not have it.
-  [[nodiscard]] std::optional<GltfObject> extension(std::string_view name) const;
+  [[nodiscard]] JsonObject item(std::string_view field, std::size_t index) const;
 
   /// Throws InputError at this object, or at its field.
   [[noreturn]] void fail(std::string_view field, std::string reason) const;
