@@ -6,6 +6,7 @@
 #include "sightline/cull/frustum_hierarchical.hpp"
 #include "sightline/cull/frustum_linear.hpp"
 #include "sightline/cull/none.hpp"
+#include "sightline/cull/occlusion_masked.hpp"
 #include "sightline/scene/input_error.hpp"
 #include "sightline/surface/zbuffer.hpp"
 
@@ -21,6 +22,8 @@ constexpr std::array rows{
               "Clark 1976", "20.01 20.12-20.14", make_frustum_linear},
     Algorithm{"frustum_hierarchical", Family::culler, cont, "the same down a hierarchy, with plane masking",
               "Clark 1976; Bishop 1998", "20.17 20.18", make_frustum_hierarchical},
+    Algorithm{"occlusion_masked", Family::culler, cont, "what large objects hide, in a small conservative depth image",
+              "Hasselgren 2016", "21.02 21.05 21.06 21.09", make_occlusion_masked},
     Algorithm{"zbuffer", Family::renderer, Promise::exact, "per pixel the nearest surface, every triangle drawn",
               "Strasser 1974; Catmull 1974", "3.01-3.05 3.11", nullptr, make_zbuffer},
 };

@@ -25,11 +25,15 @@ struct PathConfig {
 /// scene has one, looking mostly along the way. Throws InputError if the scene is empty.
 CameraPath generate_path(const Scene& scene, const PathConfig& config);
 
-/// Text, one view a line: "x y z" (the eye) or "x y z dx dy dz" (eye and look direction); further words and '#'
-/// comments are ignored. Eyes without direction are each shown turning about the vertical axis. With more frames than
-/// lines, eyes repeat with further directions; with fewer, lines are skipped evenly. JSON:
-/// {"views":[{"eye":[x,y,z],"look":[dx,dy,dz] or "target":[x,y,z],"up":[..],"fov":degrees,"near":m,"far":m}]}. Throws
-/// InputError (file, line or field, reason).
+/// `frames` views from a file of eyes.
+/// Text, one view a line: "x y z" (the eye) or "x y z dx dy dz" (eye and look direction); further words and '#' comments
+/// are ignored, and there is a direction only where the fourth to the sixth word are all numbers. A direction of length 0
+/// is that of the line before.
+/// JSON: {"views":[{"eye":[x,y,z],"look":[dx,dy,dz] or "target":[x,y,z],"up":[x,y,z],"fov":degrees,"near":m,"far":m}]},
+/// all but the eye optional.
+/// An eye without direction is shown turning once about the vertical axis over the frames it gets. With more frames than
+/// lines, a line is shown for several frames; with fewer, lines are skipped evenly.
+/// Throws InputError (file, line or field, reason).
 CameraPath read_path(const std::filesystem::path& file, const PathConfig& config);
 
 }  // namespace sightline

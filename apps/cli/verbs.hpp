@@ -1,0 +1,14 @@
+// The verbs of the program, one file each. Each returns the exit code; throws UsageError or InputError.
+#pragma once
+
+#include "options.hpp"
+
+namespace sightline::cli {
+
+int run_info(const InfoOptions& options);
+int run_list(const ListOptions& options);
+int run_generate(const GenerateOptions& options);
+int run_walk(const WalkOptions& options);
+int run_render(const RenderOptions& options);
+
+}  // namespace sightline::cli

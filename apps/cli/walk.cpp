@@ -1,0 +1,86 @@
+// sightline walk: a culler along a camera path, each frame checked against the truth.
+#include <fmt/format.h>
+
+#include <optional>
+#include <set>
+#include <string>
+
+#include "camera.hpp"
+#include "interrupt.hpp"
+#include "output.hpp"
+#include "report.hpp"
+#include "scene_argument.hpp"
+#include "sightline/registry.hpp"
+#include "verbs.hpp"
+#include "walk_json.hpp"
+#include "walk_loop.hpp"
+#include "walk_table.hpp"
+
+namespace sightline::cli {
+namespace {
+
+/// Unknown methods are told before a large scene is loaded.
+void check_methods(const WalkOptions& options) {
+  std::set<std::string> given;
+  for (const std::string& method : options.methods) {
+    as_usage([&] { (void)find_algorithm(parse_method(method).name, Family::culler); });
+    if (!given.insert(method).second) throw UsageError(fmt::format("--method: '{}' is given twice", method));
+  }
+}
+
+WalkReport start_report(const WalkOptions& options, const Scene& scene) {
+  WalkReport report;
+  report.scene_name = options.scene;
+  report.command = options.command;
+  report.scene = &scene;
+  report.width = options.camera.width;
+  report.height = options.camera.height;
+  report.samples = options.samples;
+  report.verified = options.verify;
+  return report;
+}
+
+void print_text(const WalkReport& report, const WalkOptions& options) {
+  // With the JSON on standard output the verdict is still worth a line where it does not disturb.
+  std::FILE* stream = options.common.json_to_stdout() ? stderr : stdout;
+  if (stream == stderr && options.common.quiet) return;
+  if (stream == stdout && !options.common.quiet) fmt::print("{}", walk_table(report));
+  const bool colour = stream == stdout && stdout_has_colour();
+  for (const WalkRun& run : report.runs) {
+    const WalkSummary summary = summarise(report, run);
+    const char* shade = summary.missed == 0u ? "\x1b[32m" : summary.broken_promise ? "\x1b[31m" : "\x1b[33m";
+    fmt::print(stream, "{}{}{}\n", colour ? shade : "", verdict_line(report, run), colour ? "\x1b[0m" : "");
+  }
+}
+
+}  // namespace
+
+int run_walk(const WalkOptions& options) {
+  check_methods(options);
+  catch_interrupts();
+  std::optional<OutputFile> json;
+  if (!options.common.json.empty()) json.emplace(options.common.json);
+  if (!options.report.empty()) prepare_report(options.report);
+
+  const LoadedScene loaded = open_scene(options.scene, options.common);
+  const CameraPath path = open_path(options.path, options.camera, loaded.scene, options.common.seed);
+  const IndexedScene indexed = index_scene(loaded.scene);
+  std::optional<Oracle> oracle;
+  if (options.verify || !options.report.empty()) oracle.emplace(loaded.scene);
+
+  WalkReport report = start_report(options, loaded.scene);
+  walk_frames(options, indexed, path.views, oracle ? &*oracle : nullptr, report);
+
+  if (json) {
+    write_walk_json(report, options.ids, [&](std::string_view text) { json->write(text); });
+    json->commit();
+  }
+  print_text(report, options);
+  if (!options.report.empty()) {
+    report.pictures = draw_pictures(report, *oracle);
+    write_report(report, options.report);
+  }
+  return exit_code(report);
+}
+
+}  // namespace sightline::cli

@@ -1,0 +1,186 @@
+#include "walk_loop.hpp"
+
+#include <algorithm>
+#include <chrono>
+
+#include "interrupt.hpp"
+#include "output.hpp"
+#include "picture.hpp"
+#include "scene_argument.hpp"
+#include "sightline/registry.hpp"
+
+namespace sightline::cli {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+double milliseconds_since(Clock::time_point start) {
+  return std::chrono::duration<double, std::milli>(Clock::now() - start).count();
+}
+
+/// True for at most `limit` of `total` frames, evenly spread.
+bool chosen_evenly(std::size_t frame, std::size_t total, std::size_t limit) {
+  if (limit >= total) return true;
+  return frame == 0 ? limit > 0 : frame * limit / total != (frame - 1) * limit / total;
+}
+
+/// How many frames may keep one byte for each object.
+std::size_t state_frames(std::size_t objects, std::size_t methods) {
+  constexpr std::size_t most_frames = 200, most_bytes = std::size_t{16} << 20;
+  return std::min(most_frames, most_bytes / std::max<std::size_t>(objects * methods, 1));
+}
+
+std::vector<std::uint8_t> object_states(const VisibleSet& frustum, const VisibleSet& visible, const Truth* truth) {
+  std::vector<std::uint8_t> states(visible.universe());
+  for (std::size_t i = 0; i < states.size(); ++i) {
+    const auto id = static_cast<ObjectId>(i);
+    const bool seen = truth != nullptr && truth->seen.contains(id);
+    ObjectState state = frustum.contains(id) ? ObjectState::hidden : ObjectState::outside;
+    if (visible.contains(id))
+      state = seen || truth == nullptr ? ObjectState::seen : ObjectState::extra;
+    else if (seen)
+      state = ObjectState::missed;
+    states[i] = static_cast<std::uint8_t>(state);
+  }
+  return states;
+}
+
+/// One method at work.
+struct Contender {
+  std::unique_ptr<Culler> culler;
+  VisibleSet visible;
+};
+
+class Walker {
+ public:
+  Walker(const WalkOptions& options, const IndexedScene& indexed, const Oracle* oracle, WalkReport& report)
+      : options_(options),
+        oracle_(oracle),
+        report_(report),
+        scene_(indexed.scene),
+        candidates_(VisibleSet::all(scene_.objects().size())),
+        frustum_culler_(make_culler("frustum_linear", indexed)) {
+    for (const std::string& method : options.methods) {
+      contenders_.push_back({as_usage([&] { return make_culler(method, indexed); }), VisibleSet()});
+      WalkRun run;
+      run.method = method;
+      run.promise = find_algorithm(parse_method(method).name, Family::culler).promise;
+      report.runs.push_back(std::move(run));
+    }
+  }
+
+  void frame(const View& view, bool with_state) {
+    WalkView facts;
+    facts.frame = report_.views.size();
+    facts.view = view;
+    facts.candidates = candidates_.count();
+    Counters unused;
+    frustum_culler_->cull(view, candidates_, frustum_, unused);
+    facts.frustum = frustum_.count();
+    std::vector<WalkAnswer> answers(contenders_.size());
+    for (std::size_t i = 0; i < contenders_.size(); ++i) answers[i] = cull(view, contenders_[i], report_.runs[i]);
+    std::optional<Truth> truth;
+    if (options_.verify) {
+      const auto start = Clock::now();
+      truth = oracle_->look(view, options_.samples);
+      facts.truth_ms = milliseconds_since(start);
+      facts.truth = truth->seen.count();
+    }
+    for (std::size_t i = 0; i < contenders_.size(); ++i) {
+      if (truth) compare(*truth, contenders_[i].visible, answers[i]);
+      if (with_state) answers[i].state = object_states(frustum_, contenders_[i].visible, truth ? &*truth : nullptr);
+      report_.runs[i].answers.push_back(std::move(answers[i]));
+    }
+    report_.views.push_back(facts);
+  }
+
+ private:
+  WalkAnswer cull(const View& view, Contender& contender, WalkRun& run) const {
+    WalkAnswer answer;
+    const auto start = Clock::now();
+    contender.culler->cull(view, candidates_, contender.visible, run.counters);
+    answer.cull_ms = milliseconds_since(start);
+    answer.visible = contender.visible.count();
+    for (const ObjectId id : contender.visible.order())
+      answer.triangles_submitted += scene_.mesh_of(id).triangles.size();
+    if (options_.ids) answer.visible_ids = contender.visible.sorted();
+    return answer;
+  }
+
+  static void compare(const Truth& truth, const VisibleSet& visible, WalkAnswer& answer) {
+    Verdict verdict = judge(truth, visible);
+    answer.missed = std::move(verdict.missed);
+    answer.missed_samples = verdict.missed_samples;
+    answer.extra = verdict.extra;
+  }
+
+  const WalkOptions& options_;
+  const Oracle* oracle_;
+  WalkReport& report_;
+  const Scene& scene_;
+  VisibleSet candidates_, frustum_;
+  std::unique_ptr<Culler> frustum_culler_;
+  std::vector<Contender> contenders_;
+};
+
+std::size_t missed_in(const WalkReport& report, std::size_t frame) {
+  std::size_t missed = 0;
+  for (const WalkRun& run : report.runs) missed += run.answers[frame].missed.size();
+  return missed;
+}
+
+/// Ascending indices: up to three frames with the most missed, the rest evenly spread.
+std::vector<std::size_t> picture_frames(const WalkReport& report) {
+  constexpr std::size_t wanted = 6;
+  const std::size_t total = report.views.size();
+  std::vector<std::size_t> worst;
+  for (std::size_t i = 0; i < total; ++i)
+    if (missed_in(report, i) > 0) worst.push_back(i);
+  std::stable_sort(worst.begin(), worst.end(),
+                   [&](std::size_t a, std::size_t b) { return missed_in(report, a) > missed_in(report, b); });
+  worst.resize(std::min(worst.size(), wanted / 2));
+  const std::size_t rest = wanted - worst.size();
+  for (std::size_t i = 0; i < total; ++i)
+    if (chosen_evenly(i, total, rest)) worst.push_back(i);
+  std::sort(worst.begin(), worst.end());
+  worst.erase(std::unique(worst.begin(), worst.end()), worst.end());
+  return worst;
+}
+
+}  // namespace
+
+void walk_frames(const WalkOptions& options, const IndexedScene& indexed, std::span<const View> views,
+                 const Oracle* oracle, WalkReport& report) {
+  Walker walker(options, indexed, oracle, report);
+  const std::size_t keep =
+      options.report.empty() ? 0 : state_frames(indexed.scene.objects().size(), report.runs.size());
+  Progress progress("frames", views.size(), options.common.quiet);
+  for (std::size_t i = 0; i < views.size(); ++i) {
+    walker.frame(views[i], chosen_evenly(i, views.size(), keep));
+    progress.show(i + 1);
+    if (interrupted()) {
+      report.interrupted = true;
+      return;
+    }
+  }
+}
+
+std::vector<WalkPicture> draw_pictures(const WalkReport& report, const Oracle& oracle) {
+  constexpr std::pair<Show, const char*> kinds[] = {
+      {Show::shaded, "shaded"}, {Show::object, "object"}, {Show::depth, "depth"}};
+  std::vector<WalkPicture> pictures;
+  Frame frame;
+  for (const std::size_t i : picture_frames(report)) {
+    View view = report.views[i].view;
+    // As large as fits into 640 x 360 with the proportions of the walk: the picture shows what the walk saw.
+    const double scale = std::min(640.0 / view.width, 360.0 / view.height);
+    view.width = std::max(1, static_cast<int>(view.width * scale + 0.5));
+    view.height = std::max(1, static_cast<int>(view.height * scale + 0.5));
+    oracle.draw(view, frame);
+    for (const auto& [show, name] : kinds)
+      pictures.push_back({report.views[i].frame, name, encode_png(paint(*report.scene, view, frame, show))});
+  }
+  return pictures;
+}
+
+}  // namespace sightline::cli

@@ -1,0 +1,103 @@
+#include "walk_report.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+namespace sightline::cli {
+namespace {
+
+double median(std::vector<double> values) {
+  std::sort(values.begin(), values.end());
+  const std::size_t middle = values.size() / 2;
+  return values.size() % 2 == 1 ? values[middle] : 0.5 * (values[middle - 1] + values[middle]);
+}
+
+void judge_run(const WalkReport& report, const WalkRun& run, WalkSummary& summary) {
+  if (!report.verified || run.answers.empty()) {
+    summary.verdict = "unverified";
+    return;
+  }
+  std::size_t visible = 0, truth = 0, missed = 0;
+  for (std::size_t i = 0; i < run.answers.size(); ++i) {
+    visible += run.answers[i].visible;
+    truth += report.views[i].truth.value_or(0);
+    missed += run.answers[i].missed.size();
+  }
+  summary.missed = missed;
+  if (truth > 0) summary.overestimate = static_cast<double>(visible) / static_cast<double>(truth);
+  if (missed == 0) {
+    summary.verdict = "ok";
+  } else if (run.promise == Promise::approximate) {
+    summary.verdict = fmt::format("approximate: {} missed", missed);
+  } else {
+    summary.verdict = "missed";
+    summary.broken_promise = true;
+  }
+}
+
+std::size_t distinct_missed(const WalkRun& run) {
+  std::vector<ObjectId> ids;
+  for (const WalkAnswer& answer : run.answers) ids.insert(ids.end(), answer.missed.begin(), answer.missed.end());
+  std::sort(ids.begin(), ids.end());
+  return static_cast<std::size_t>(std::unique(ids.begin(), ids.end()) - ids.begin());
+}
+
+std::string missed_words(const WalkReport& report, const WalkRun& run) {
+  std::size_t frames = 0, first = 0, missed = 0;
+  for (std::size_t i = run.answers.size(); i-- > 0;) {
+    missed += run.answers[i].missed.size();
+    if (run.answers[i].missed.empty()) continue;
+    ++frames;
+    first = i;
+  }
+  std::string words = fmt::format(
+      "{} times something visible was missed ({} objects in {} of {} frames, first object {} in frame {})", missed,
+      distinct_missed(run), frames, run.answers.size(), run.answers[first].missed.front(), report.views[first].frame);
+  if (report.samples > 1 && run.promise != Promise::conservative_continuous)
+    words += fmt::format(" by {0} x {0} rays a pixel, where the promise is for pixel centres", report.samples);
+  return words;
+}
+
+}  // namespace
+
+WalkSummary summarise(const WalkReport& report, const WalkRun& run) {
+  WalkSummary summary;
+  judge_run(report, run, summary);
+  if (run.answers.empty()) return summary;
+  std::vector<double> times;
+  double submitted = 0.0;
+  for (const WalkAnswer& answer : run.answers) {
+    times.push_back(answer.cull_ms);
+    submitted += static_cast<double>(answer.triangles_submitted);
+  }
+  summary.cull_ms_median = median(std::move(times));
+  const double triangles = static_cast<double>(report.scene->triangle_count());
+  if (triangles > 0.0) summary.triangles_fraction = submitted / static_cast<double>(run.answers.size()) / triangles;
+  return summary;
+}
+
+ExitCode exit_code(const WalkReport& report) {
+  for (const WalkRun& run : report.runs)
+    if (summarise(report, run).broken_promise) return exit_missed;
+  return report.interrupted ? exit_interrupted : exit_ok;
+}
+
+std::string verdict_line(const WalkReport& report, const WalkRun& run) {
+  const WalkSummary summary = summarise(report, run);
+  std::string line = fmt::format("{}: ", run.method);
+  if (summary.verdict == "unverified")
+    line += fmt::format("unverified, {} frames", run.answers.size());
+  else if (summary.missed.value_or(0) > 0)
+    line += fmt::format("{}: {}", summary.broken_promise ? "MISSED" : "approximate", missed_words(report, run));
+  else
+    line += fmt::format("ok: nothing visible was missed in {} frames", run.answers.size());
+  if (summary.overestimate) line += fmt::format("; {:.2f} objects reported per object seen", *summary.overestimate);
+  if (summary.triangles_fraction)
+    line += fmt::format("; {:.1f} % of the triangles", 100.0 * *summary.triangles_fraction);
+  if (summary.cull_ms_median) line += fmt::format("; median {:.3f} ms", *summary.cull_ms_median);
+  if (report.interrupted) line += "; interrupted";
+  return line;
+}
+
+}  // namespace sightline::cli

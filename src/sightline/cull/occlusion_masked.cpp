@@ -1,0 +1,188 @@
+#include "sightline/cull/occlusion_masked.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "sightline/parallel/parallel.hpp"
+#include "sightline/raster/occlusion_buffer.hpp"
+
+namespace sightline {
+namespace {
+
+class OcclusionMasked final : public Culler {
+ public:
+  OcclusionMasked(const IndexedScene& scene, const OcclusionMaskedConfig& config)
+      : scene_(scene.scene),
+        bvh_(scene.bvh),
+        config_(config),
+        buffer_(config.scalar),
+        meshes_(scene.scene.meshes().size()) {
+    parallel_blocks(meshes_.size(), 4, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t i = begin; i < end; ++i) prepare(i);
+    });
+  }
+
+  void cull(const View& view, const VisibleSet& candidates, VisibleSet& visible, Counters& counters) override {
+    visible.reset(candidates.universe());
+    if (bvh_.nodes.empty()) return;
+    frustum_ = view_frustum(view, reach(scene_.bounds()));
+    find_occluders(view, candidates, counters);
+    draw_occluders(view, counters);
+    collect(view, candidates, visible, counters);
+  }
+
+ private:
+  struct Visit {
+    std::uint32_t node, planes;
+  };
+  struct Occluder {
+    ObjectId id;
+    float value;
+  };
+
+  static bool outside(const Frustum& frustum, const Aabb& box, std::uint32_t& planes) {
+    for (int i = 0; i < frustum.count && planes != 0; ++i) {
+      if (((planes >> i) & 1u) == 0) continue;
+      const Containment c = classify(frustum.planes[static_cast<std::size_t>(i)], box);
+      if (c == Containment::outside) return true;
+      if (c == Containment::inside) planes &= ~(1u << i);
+    }
+    return false;
+  }
+
+  /// Opaque candidates in the frustum that look large, best first: seen size against triangles.
+  void find_occluders(const View& view, const VisibleSet& candidates, Counters& counters) {
+    occluders_.clear();
+    const bool all = candidates.is_all();
+    const double focal = view.projection == Projection::perspective ? view.height / (2 * std::tan(0.5 * view.fov_y))
+                                                                    : view.height / view.span_y;
+    const glm::vec3 eye(view.eye);
+    stack_.assign(1, {0, (1u << frustum_.count) - 1u});
+    while (!stack_.empty()) {
+      const auto [index, parent_planes] = stack_.back();
+      stack_.pop_back();
+      const BvhNode& node = bvh_.nodes[index];
+      std::uint32_t planes = parent_planes;
+      ++counters.nodes_visited;
+      ++counters.boxes_tested;
+      if (outside(frustum_, node.bounds, planes) || size_of(node.bounds, eye, focal, view) < config_.min_size) continue;
+      if (!node.leaf()) {
+        stack_.push_back({node.first + 1, planes});
+        stack_.push_back({node.first, planes});
+        continue;
+      }
+      for (std::uint32_t i = node.first; i < node.first + node.count; ++i) {
+        const ObjectId id = bvh_.items[i];
+        const Object& object = scene_.objects()[id];
+        if (!object.opaque || object.bounds.empty() || (!all && !candidates.contains(id))) continue;
+        std::uint32_t object_planes = planes;
+        ++counters.boxes_tested;
+        if (outside(frustum_, object.bounds, object_planes)) continue;
+        const double size = size_of(object.bounds, eye, focal, view);
+        if (size < config_.min_size) continue;
+        const auto triangles = static_cast<double>(scene_.meshes()[object.mesh].triangles.size());
+        occluders_.push_back({id, static_cast<float>(size * size / (triangles + 30.0))});
+      }
+    }
+    std::sort(occluders_.begin(), occluders_.end(), [](const Occluder& a, const Occluder& b) {
+      return a.value != b.value ? a.value > b.value : a.id < b.id;
+    });
+  }
+
+  /// About how many view pixels the middle extent of a box looks long from the eye; infinity for an eye inside.
+  static double size_of(const Aabb& box, const glm::vec3& eye, double focal, const View& view) {
+    const glm::vec3 extent = box.extent();
+    const float shortest = std::min({extent.x, extent.y, extent.z}), longest = std::max({extent.x, extent.y, extent.z});
+    const float middle = extent.x + extent.y + extent.z - shortest - longest;
+    const float size = std::sqrt(middle * longest);
+    if (view.projection == Projection::orthographic) return focal * static_cast<double>(size);
+    const float distance = glm::length(glm::max(glm::max(box.lo - eye, eye - box.hi), glm::vec3(0.0f)));
+    return focal * static_cast<double>(size) / std::max(static_cast<double>(distance), view.near);
+  }
+
+  /// Makes the occluder of a mesh, unless it can never fit the budget.
+  void prepare(std::size_t i) {
+    const Mesh& mesh = scene_.meshes()[i];
+    if (mesh.triangles.size() <= static_cast<std::size_t>(config_.triangles))
+      meshes_[i] = make_occluder(mesh.positions, mesh.triangles);
+  }
+
+  void draw_occluders(const View& view, Counters& counters) {
+    const auto scaled = [&](int pixels) {
+      return std::clamp(static_cast<int>(std::lround(pixels * config_.resolution)), 1, 16384);
+    };
+    buffer_.begin(view, scaled(view.width), scaled(view.height));
+    std::int64_t budget = config_.triangles;
+    for (const Occluder& occluder : occluders_) {
+      const Object& object = scene_.objects()[occluder.id];
+      const auto triangles = static_cast<std::int64_t>(scene_.meshes()[object.mesh].triangles.size());
+      if (triangles > budget) continue;
+      budget -= triangles;
+      buffer_.add_occluder(meshes_[object.mesh], object.transform);
+    }
+    buffer_.finish();
+    counters.occluders += buffer_.counts().occluders;
+    counters.occluder_triangles += buffer_.counts().occluder_triangles;
+    counters.triangles_filled += buffer_.counts().triangles_filled;
+  }
+
+  void collect(const View& view, const VisibleSet& candidates, VisibleSet& visible, Counters& counters) {
+    const bool all = candidates.is_all();
+    const glm::vec3 direction(view_direction(view));
+    stack_.assign(1, {0, (1u << frustum_.count) - 1u});
+    while (!stack_.empty()) {
+      const auto [index, parent_planes] = stack_.back();
+      stack_.pop_back();
+      const BvhNode& node = bvh_.nodes[index];
+      std::uint32_t planes = parent_planes;
+      ++counters.nodes_visited;
+      ++counters.boxes_tested;
+      if (outside(frustum_, node.bounds, planes)) continue;
+      ++counters.queries;
+      if (!buffer_.may_be_seen(node.bounds)) continue;
+      if (!node.leaf()) {
+        const Aabb &left = bvh_.nodes[node.first].bounds, &right = bvh_.nodes[node.first + 1].bounds;
+        const bool left_first = glm::dot(direction, left.centre() - right.centre()) <= 0.0f;
+        stack_.push_back({left_first ? node.first + 1 : node.first, planes});
+        stack_.push_back({left_first ? node.first : node.first + 1, planes});
+        continue;
+      }
+      for (std::uint32_t i = node.first; i < node.first + node.count; ++i)
+        collect_object(bvh_.items[i], planes, all, candidates, visible, counters);
+    }
+  }
+
+  void collect_object(ObjectId id, std::uint32_t planes, bool all, const VisibleSet& candidates, VisibleSet& visible,
+                      Counters& counters) {
+    if (!all && !candidates.contains(id)) return;
+    const Aabb& box = scene_.objects()[id].bounds;
+    if (box.empty()) return;
+    ++counters.boxes_tested;
+    if (outside(frustum_, box, planes)) return;
+    ++counters.queries;
+    if (buffer_.may_be_seen(box)) visible.insert(id);
+  }
+
+  const Scene& scene_;
+  const Bvh& bvh_;
+  OcclusionMaskedConfig config_;
+  OcclusionBuffer buffer_;
+  std::vector<OccluderMesh> meshes_;  // by mesh id; empty where it can never fit the budget
+  Frustum frustum_;
+  std::vector<Visit> stack_;
+  std::vector<Occluder> occluders_;
+};
+
+}  // namespace
+
+std::unique_ptr<Culler> make_occlusion_masked(const IndexedScene& scene, ParameterReader& parameters) {
+  OcclusionMaskedConfig config;
+  parameters.read("resolution", config.resolution, 1.0 / 16, 2.0);
+  parameters.read("triangles", config.triangles, 0, 1 << 30);
+  parameters.read("min_size", config.min_size, 0.0, 1e6);
+  parameters.read("scalar", config.scalar);
+  parameters.finish();
+  return std::make_unique<OcclusionMasked>(scene, config);
+}
+
+}  // namespace sightline

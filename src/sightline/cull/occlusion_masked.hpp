@@ -1,0 +1,22 @@
+// Occlusion culling in software: large objects near the eye are drawn into an occlusion buffer, then the hierarchy is
+// walked front to back and every box that the buffer hides is dropped with all it holds (after Hasselgren, Andersson,
+// Akenine-Moller 2016; checklist 21.02, 21.05, 21.06, 21.09). Promise: conservative-continuous, with no memory of
+// earlier frames, so teleports and moved cameras are safe.
+#pragma once
+
+#include <memory>
+
+#include "sightline/core/algorithm.hpp"
+
+namespace sightline {
+
+struct OcclusionMaskedConfig {
+  double resolution = 0.5;  // buffer pixels per view pixel along each axis, 1/16 to 2
+  int triangles = 60000;    // budget of occluder triangles per frame
+  double min_size = 12;     // view pixels: objects whose sphere looks smaller hide too little to be drawn
+  bool scalar = false;      // run the one-lane reference loops; the answer is the same
+};
+
+std::unique_ptr<Culler> make_occlusion_masked(const IndexedScene& scene, ParameterReader& parameters);
+
+}  // namespace sightline

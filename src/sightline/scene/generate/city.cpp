@@ -1,0 +1,227 @@
+// A city on a plain: blocks between streets, closed rows of houses around back yards, towers towards the centre, parks;
+// trees, lamps and cars along the streets. From the street the rows hide the yards, the roofs and the rest of the city.
+#include <algorithm>
+#include <cmath>
+
+#include "sightline/scene/generate/city_parts.hpp"
+#include "sightline/scene/generate/kinds.hpp"
+
+namespace sightline {
+namespace {
+
+constexpr double block_x = 84, block_z = 56;  // between pavements' kerbs, metres
+constexpr double street = 14;                 // from kerb to kerb
+constexpr double kerb = 0.15;                 // the pavement's height
+constexpr double walk = 3.5;                  // from kerb to facade
+constexpr std::uint32_t objects_per_block = 60;
+
+struct Plot {
+  glm::dvec2 corner;    // of the block's pavement, the lowest x and z
+  double centrality;    // 1 in the centre of the city, 0 at its edge
+  std::uint32_t until;  // the layout's count of objects when the block is full
+};
+
+struct FlatRoof {
+  glm::dvec3 centre;
+  double half_x, half_z;  // free area around the centre
+  bool pitched;
+};
+
+class BlockBuilder {
+ public:
+  BlockBuilder(Layout& layout, const CityParts& parts, const Plot& plot, std::uint64_t seed)
+      : layout_(layout), parts_(parts), plot_(plot), random_(seed) {}
+
+  void build() {
+    if (!more()) return;
+    layout_.place(parts_.pavement,
+                  place_at(at(0.5 * block_x, 0.5 * block_z, kerb), 0, {block_x, kerb + 0.25, block_z}));
+    const std::uint32_t budget = plot_.until - layout_.placed();
+    const double kind = random_.uniform();
+    if (kind < 0.3 * plot_.centrality * plot_.centrality)
+      towers(std::min(4u, 1 + budget / 12));
+    else if (kind < 0.93)
+      rows(std::max(1u, budget / 4));
+    furnish();
+  }
+
+ private:
+  [[nodiscard]] bool more() const { return layout_.placed() < plot_.until; }
+  [[nodiscard]] glm::dvec3 at(double x, double z, double y = kerb) const {
+    return {plot_.corner.x + x, y, plot_.corner.y + z};
+  }
+  Part any(const std::vector<Part>& of) { return of[random_.below(static_cast<std::uint32_t>(of.size()))]; }
+
+  // Footprint size_x by size_z around (x, z) of the block. Feet are sunk into the pavement.
+  void house(double x, double z, double size_x, double size_z, bool ridge_along_x) {
+    if (!more()) return;
+    const bool pitched = random_.chance(0.8 - plot_.centrality);
+    const double height =
+        pitched ? random_.range(8, 13) : random_.range(11, 18) + 14 * plot_.centrality * random_.uniform();
+    const bool turned = pitched && !ridge_along_x;
+    const glm::dvec3 scale = turned ? glm::dvec3(size_z, height, size_x) : glm::dvec3(size_x, height, size_z);
+    layout_.place(any(pitched ? parts_.houses : parts_.blocks), place_at(at(x, z, 0.05), turned ? 0.25 : 0.0, scale));
+    roofs_.push_back({at(x, z, 0.05 + height * (pitched ? 1.0 : city_roof)), 0.35 * size_x, 0.35 * size_z, pitched});
+  }
+
+  // A row of `count` houses whose party walls overlap by a hand, with fronts that are not quite in line.
+  void row(std::uint32_t count, double from, double to, double front, double inward, bool along_x) {
+    if (count == 0) return;
+    std::vector<double> ends{0.0};
+    for (std::uint32_t i = 0; i < count; ++i) ends.push_back(ends.back() + random_.range(0.7, 1.3));
+    for (std::uint32_t i = 0; i < count; ++i) {
+      const double a = from + (to - from) * ends[i] / ends.back(), b = from + (to - from) * ends[i + 1] / ends.back();
+      const double setback = random_.range(0.0, 0.8), depth = random_.range(10.5, 13.0);
+      const double along = 0.5 * (a + b), across = front + inward * (setback + 0.5 * depth);
+      const double length = b - a + 0.2;
+      if (along_x)
+        house(along, across, length, depth, true);
+      else
+        house(across, along, depth, length, false);
+    }
+  }
+
+  // Around the yard: two long rows along x, and where there is enough for it the gaps at both ends closed.
+  void rows(std::uint32_t houses) {
+    const std::uint32_t ends = houses >= 6 ? std::max(1u, houses / 7) : 0;
+    const std::uint32_t rest = houses - 2 * ends;
+    row(rest - rest / 2, walk, block_x - walk, walk, 1, true);
+    row(rest / 2, walk, block_x - walk, block_z - walk, -1, true);
+    row(ends, walk + 9, block_z - walk - 9, walk, 1, false);
+    row(ends, walk + 9, block_z - walk - 9, block_x - walk, -1, false);
+  }
+
+  void towers(std::uint32_t count) {
+    const std::uint32_t columns = count > 1 ? 2 : 1, lines = count > 2 ? 2 : 1;
+    const double pitch_x = (block_x - 2 * walk) / columns, pitch_z = (block_z - 2 * walk) / lines;
+    for (std::uint32_t i = 0; i < count && more(); ++i) {
+      const double x = walk + pitch_x * (i % columns + 0.5), z = walk + pitch_z * (i / columns + 0.5);
+      const double size_x = pitch_x * random_.range(0.6, 0.95), size_z = pitch_z * random_.range(0.7, 0.95);
+      const double height = random_.range(35, 60) + 90 * plot_.centrality * random_.uniform();
+      layout_.place(any(parts_.towers), place_at(at(x, z, 0.05), 0, {size_x, height, size_z}));
+      roofs_.push_back({at(x, z, 0.05 + height * city_roof), 0.1 * size_x, 0.1 * size_z, false});
+    }
+  }
+
+  // Fills the block with what stands in streets, in yards and on roofs.
+  void furnish() {
+    std::uint32_t kerb_slot = 0, walk_slot = 0;
+    while (more()) {
+      const double where = random_.uniform();
+      if (where < 0.2 && !roofs_.empty())
+        on_roof();
+      else if (where < 0.5)
+        in_yard();
+      else if (where < 0.75)
+        at_kerb(kerb_slot++, parts_.car, parts_.van, 5.9, -1.25);
+      else
+        on_walk(walk_slot++);
+    }
+  }
+
+  void on_roof() {
+    const FlatRoof& roof = roofs_[random_.below(static_cast<std::uint32_t>(roofs_.size()))];
+    const double dx = random_.range(-1, 1) * roof.half_x, dz = random_.range(-1, 1) * roof.half_z;
+    if (roof.pitched)  // on the ridge
+      layout_.place(parts_.chimney, place_at(roof.centre, random_.chance(0.5) ? 0.25 : 0.0));
+    else {
+      const Part part = random_.chance(0.6)   ? parts_.rooftop_unit
+                        : random_.chance(0.5) ? parts_.water_tank
+                                              : parts_.mast;
+      layout_.place(part, place_at(roof.centre + glm::dvec3(dx, 0, dz), 0.25 * random_.below(4)));
+    }
+  }
+
+  void in_yard() {
+    const double x = random_.range(19, block_x - 19), z = random_.range(19, block_z - 19);
+    const double kind = random_.uniform();
+    const Part part = kind < 0.5    ? parts_.garden_tree
+                      : kind < 0.65 ? parts_.shed
+                      : kind < 0.85 ? parts_.hedge
+                                    : parts_.bench;
+    const double size = random_.range(0.75, 1.25), turns = random_.uniform();
+    layout_.place(part, place_at(at(x, z), turns, glm::dvec3(size)));
+  }
+
+  // A point of the block's outline that lies `inside` metres within the kerb, and the turn that faces the street.
+  void outline(double along, double inside, double& x, double& z, double& turns) const {
+    if (along < block_x)
+      x = along, z = inside, turns = 0.5;
+    else if (along < block_x + block_z)
+      x = block_x - inside, z = along - block_x, turns = 0.25;
+    else if (along < 2 * block_x + block_z)
+      x = 2 * block_x + block_z - along, z = block_z - inside, turns = 0.0;
+    else
+      x = inside, z = 2 * (block_x + block_z) - along, turns = 0.75;
+  }
+
+  // Slots along the outline, visited in an order that spreads them; corners stay free.
+  double slot_position(std::uint32_t slot, double pitch, double corner) const {
+    const auto slots = static_cast<std::uint32_t>(2 * (block_x + block_z) / pitch);
+    const double along = pitch * (slot * 31u % slots + 0.5);
+    double start = 0;
+    for (const double side : {block_x, block_z, block_x, block_z}) {
+      if (along < start + side) return start + std::clamp(along - start, corner, side - corner);
+      start += side;
+    }
+    return along;
+  }
+
+  void at_kerb(std::uint32_t slot, Part often, Part seldom, double pitch, double inside) {
+    double x = 0, z = 0, turns = 0;
+    outline(slot_position(slot, pitch, 5.0) + random_.range(-0.4, 0.4), inside, x, z, turns);
+    const Part part = random_.chance(0.8) ? often : seldom;
+    layout_.place(part, place_at(at(x, z, 0.0), turns + (random_.chance(0.2) ? 0.5 : 0.0)));
+  }
+
+  void on_walk(std::uint32_t slot) {
+    double x = 0, z = 0, turns = 0;
+    outline(slot_position(slot, 3.7, 1.0), 0.7, x, z, turns);
+    const double kind = random_.uniform();
+    const Part part = kind < 0.4    ? parts_.street_tree
+                      : kind < 0.65 ? parts_.lamp
+                      : kind < 0.78 ? parts_.bin
+                      : kind < 0.9  ? parts_.planter
+                      : kind < 0.97 ? parts_.bench
+                                    : parts_.shelter;
+    const bool tree = part == parts_.street_tree;
+    const double size = tree ? random_.range(0.8, 1.3) : 1.0;
+    layout_.place(part, place_at(at(x, z), tree ? random_.uniform() : turns, glm::dvec3(size)));
+  }
+
+  Layout& layout_;
+  const CityParts& parts_;
+  Plot plot_;
+  Random random_;
+  std::vector<FlatRoof> roofs_;
+};
+
+}  // namespace
+
+Scene generate_city(const GenerateConfig& config) {
+  Layout layout(config);
+  const CityParts parts(layout);
+  if (config.objects == 1) {
+    layout.place(parts.towers[0], place_at({0, 0, 0}, 0, {24, 80, 24}));
+    return layout.build();
+  }
+  const std::uint32_t objects = config.objects - 1;
+  const std::uint32_t blocks = std::max(1u, (objects + objects_per_block / 2) / objects_per_block);
+  const double pitch_x = block_x + street, pitch_z = block_z + street;
+  const auto columns = static_cast<std::uint32_t>(std::ceil(std::sqrt(blocks * pitch_z / pitch_x)));
+  const std::uint32_t lines = (blocks + columns - 1) / columns;
+  const glm::dvec2 size(columns * pitch_x, lines * pitch_z);
+  layout.place(parts.ground, place_at({0, 0, 0}, 0, {size.x + 60, 1, size.y + 60}));
+  for (std::uint32_t i = 0; i < blocks; ++i) {
+    Plot plot;
+    plot.corner = {(i % columns) * pitch_x + 0.5 * street - 0.5 * size.x,
+                   (i / columns) * pitch_z + 0.5 * street - 0.5 * size.y};
+    const glm::dvec2 offset = (plot.corner + 0.5 * glm::dvec2(block_x, block_z)) / (0.5 * size);
+    plot.centrality = std::max(0.0, 1.0 - std::sqrt(glm::dot(offset, offset)));
+    plot.until = 1 + static_cast<std::uint32_t>(std::uint64_t{objects} * (i + 1) / blocks);
+    BlockBuilder(layout, parts, plot, mix(config.seed, i + 1)).build();
+  }
+  return layout.build();
+}
+
+}  // namespace sightline

@@ -1,0 +1,185 @@
+// Meshes of a glTF file: every primitive becomes a Mesh once, however many nodes use it.
+#include "sightline/scene/load/gltf_mesh.hpp"
+
+#include <algorithm>
+#include <numeric>
+#include <string>
+#include <utility>
+
+#include "sightline/scene/load/gltf_accessor.hpp"
+
+namespace sightline {
+
+static_assert(sizeof(glm::uvec3) == 3 * sizeof(std::uint32_t));
+
+namespace {
+
+constexpr std::uint64_t mode_triangles = 4, mode_strip = 5, mode_fan = 6;
+constexpr std::size_t no_accessor = static_cast<std::size_t>(-1);
+
+std::string mesh_name(const JsonObject& mesh, std::size_t index) {
+  const std::string& name = mesh.text("name");
+  return name.empty() ? "mesh " + std::to_string(index) : name;
+}
+
+/// Vertex numbers of consecutive corners as triangles; corners that complete no triangle are left out.
+std::vector<glm::uvec3> assemble(std::span<const std::uint32_t> corners, std::uint64_t mode) {
+  std::vector<glm::uvec3> triangles;
+  if (corners.size() < 3) return triangles;
+  if (mode == mode_triangles) {
+    triangles.resize(corners.size() / 3);
+    std::copy_n(corners.data(), triangles.size() * 3, &triangles[0][0]);
+    return triangles;
+  }
+  triangles.reserve(corners.size() - 2);
+  for (std::size_t i = 0; i + 2 < corners.size(); ++i) {
+    if (mode == mode_fan) {
+      triangles.emplace_back(corners[0], corners[i + 1], corners[i + 2]);
+    } else {
+      // Every other triangle of a strip runs the other way round.
+      triangles.emplace_back(corners[i], corners[i + 1 + i % 2], corners[i + 2 - i % 2]);
+    }
+  }
+  return triangles;
+}
+
+}  // namespace
+
+GltfMeshes::GltfMeshes(GltfDocument& document, SceneBuilder& builder)
+    : document_(document), builder_(builder), parts_(document.count("meshes")), uses_(document.count("accessors")) {
+  count_uses();
+}
+
+void GltfMeshes::count_uses() {
+  for (std::size_t m = 0; m < parts_.size(); ++m) {
+    const JsonObject mesh = document_.item("meshes", m);
+    for (std::size_t p = 0; p < mesh.count("primitives"); ++p) {
+      const std::optional<JsonObject> attributes = mesh.item("primitives", p).object("attributes");
+      if (!attributes) continue;
+      if (const auto position = attributes->reference("POSITION", uses_.size())) ++uses_[*position];
+    }
+  }
+}
+
+std::span<const GltfMeshes::Part> GltfMeshes::parts(std::size_t index) {
+  std::optional<std::vector<Part>>& parts = parts_[index];
+  if (!parts) parts = read_parts(index);
+  return *parts;
+}
+
+std::vector<GltfMeshes::Part> GltfMeshes::read_parts(std::size_t index) {
+  const JsonObject mesh = document_.item("meshes", index);
+  const std::string name = mesh_name(mesh, index);
+  const std::size_t count = mesh.count("primitives");
+  if (count == 0) mesh.fail("primitives", "is missing or empty");
+  std::vector<Part> parts;
+  for (std::size_t p = 0; p < count; ++p) {
+    const JsonObject primitive = mesh.item("primitives", p);
+    const bool opaque = is_opaque(primitive);
+    if (const auto id = read_geometry(primitive, name)) parts.push_back({*id, static_cast<std::int32_t>(p), opaque});
+    if (primitive.count("targets") > 0) document_.warn(primitive.place() + ": morph targets are not used");
+  }
+  return parts;
+}
+
+std::optional<MeshId> GltfMeshes::read_geometry(const JsonObject& primitive, const std::string& name) {
+  const std::uint64_t mode = primitive.integer("mode", mode_fan).value_or(mode_triangles);
+  const std::optional<JsonObject> attributes = primitive.object("attributes");
+  const auto position = attributes ? attributes->reference("POSITION", uses_.size()) : std::nullopt;
+  if (mode < mode_triangles || !position) {
+    document_.warn(primitive.place() + (position ? ": points and lines are left out" : ": has no positions, left out"));
+    return std::nullopt;
+  }
+  const Key key{*position, primitive.reference("indices", uses_.size()).value_or(no_accessor), mode};
+  if (const auto known = geometry_.find(key); known != geometry_.end()) return known->second;
+
+  Mesh mesh = uses_[*position] == 1 ? read_alone(primitive, *position, mode) : read_shared(primitive, *position, mode);
+  std::optional<MeshId> id;
+  if (mesh.triangles.empty()) {
+    document_.warn(primitive.place() + ": has no triangles, left out");
+  } else {
+    mesh.name = name;
+    id = builder_.add_mesh(std::move(mesh));
+  }
+  geometry_.emplace(key, id);
+  return id;
+}
+
+Mesh GltfMeshes::read_alone(const JsonObject& primitive, std::size_t position, std::uint64_t mode) {
+  Mesh mesh;
+  mesh.positions = read_points(document_, position);
+  mesh.triangles = read_triangles(primitive, mesh.positions.size(), mode);
+  return mesh;
+}
+
+Mesh GltfMeshes::read_shared(const JsonObject& primitive, std::size_t position, std::uint64_t mode) {
+  auto entry = shared_.find(position);
+  if (entry == shared_.end()) {
+    SharedPoints points{read_points(document_, position), {}, {}};
+    document_.spend(points.points.size() * sizeof(std::uint64_t), primitive);
+    points.new_index.resize(points.points.size());
+    points.seen_by.resize(points.points.size());
+    entry = shared_.emplace(position, std::move(points)).first;
+  }
+  SharedPoints& shared = entry->second;
+  Mesh mesh;
+  mesh.triangles = read_triangles(primitive, shared.points.size(), mode);
+  document_.spend(std::uint64_t{mesh.triangles.size()} * 3 * sizeof(glm::vec3), primitive);
+  // Work goes with the triangles of this primitive, not with the vertices of all; the order of the vertices stays.
+  const std::uint32_t number = ++shared.meshes;
+  std::vector<std::uint32_t> used;
+  for (const glm::uvec3& triangle : mesh.triangles) {
+    for (int corner = 0; corner < 3; ++corner) {
+      const std::uint32_t vertex = triangle[corner];
+      if (std::exchange(shared.seen_by[vertex], number) != number) used.push_back(vertex);
+    }
+  }
+  std::ranges::sort(used);
+  for (const std::uint32_t vertex : used) {
+    shared.new_index[vertex] = static_cast<std::uint32_t>(mesh.positions.size());
+    mesh.positions.push_back(shared.points[vertex]);
+  }
+  for (glm::uvec3& triangle : mesh.triangles) {
+    for (int corner = 0; corner < 3; ++corner) triangle[corner] = shared.new_index[triangle[corner]];
+  }
+  return mesh;
+}
+
+std::vector<glm::uvec3> GltfMeshes::read_triangles(const JsonObject& primitive, std::size_t points,
+                                                   std::uint64_t mode) {
+  std::vector<std::uint32_t> corners;
+  if (const auto indices = primitive.reference("indices", uses_.size())) {
+    corners = read_indices(document_, *indices);
+  } else {
+    document_.spend(points * sizeof(std::uint32_t), primitive);
+    corners.resize(points);
+    std::iota(corners.begin(), corners.end(), 0u);
+  }
+  std::uint32_t largest = 0;
+  for (const std::uint32_t corner : corners) largest = std::max(largest, corner);
+  if (!corners.empty() && largest >= points) {
+    primitive.fail("indices",
+                   "vertex " + std::to_string(largest) + " is beyond the " + std::to_string(points) + " there are");
+  }
+  if (mode == mode_triangles && corners.size() % 3 != 0) {
+    document_.warn(primitive.place() + ": the last " + std::to_string(corners.size() % 3) +
+                   " corners make no triangle");
+  }
+  document_.spend(std::uint64_t{corners.size()} * sizeof(glm::uvec3), primitive);
+  return assemble(corners, mode);
+}
+
+bool GltfMeshes::is_opaque(const JsonObject& primitive) const {
+  const auto index = primitive.reference("material", document_.count("materials"));
+  if (!index) return true;
+  const JsonObject material = document_.item("materials", *index);
+  const std::string& mode = material.text("alphaMode");
+  if (!mode.empty() && mode != "OPAQUE" && mode != "MASK" && mode != "BLEND") {
+    material.fail("alphaMode", in_quotes(mode) + " is none of OPAQUE, MASK, BLEND");
+  }
+  const std::optional<JsonObject> transmission = gltf_extension(material, "KHR_materials_transmission");
+  const bool transmits = transmission && transmission->number("transmissionFactor").value_or(0.0) > 0.0;
+  return !transmits && mode != "MASK" && mode != "BLEND";
+}
+
+}  // namespace sightline

@@ -1,0 +1,225 @@
+// What a walk writes: the fields of the schema, their consistency, and the same answers for any number of threads.
+#include <csignal>
+#include <glm/glm.hpp>
+#include <thread>
+
+#include "cli/program.hpp"
+#include "sightline/registry.hpp"
+
+namespace sightline::cli_test {
+namespace {
+
+using Json = nlohmann::json;
+
+class Walk : public ProgramTest {
+ protected:
+  /// A small walk with JSON on standard output; `more` is added to the command line.
+  [[nodiscard]] Outcome small_walk(const std::vector<std::string>& more) const {
+    std::vector<std::string> words{
+        "walk", "generate:city:objects=200:seed=5", "--frames", "5", "--size", "160x90", "--json", "-", "--quiet"};
+    words.insert(words.end(), more.begin(), more.end());
+    return run(words);
+  }
+  /// All cullers of the registry, with commas between.
+  static std::string all_cullers() {
+    std::string names;
+    for (const Algorithm& row : algorithms()) {
+      if (row.family != Family::culler) continue;
+      if (!names.empty()) names += ",";
+      names += row.name;
+    }
+    return names;
+  }
+};
+
+TEST_F(Walk, JsonHasTheFieldsOfTheSchema) {
+  const Outcome outcome = small_walk({"--method", "frustum_hierarchical"});
+  ASSERT_EQ(outcome.code, 0) << outcome.err;
+  EXPECT_EQ(outcome.err, "");
+  const Json json = outcome.json();  // throws if anything else was printed
+  EXPECT_EQ(json.at("schema"), "sightline.walk/1");
+  EXPECT_EQ(json.at("size"), Json({160, 90}));
+  EXPECT_EQ(json.at("method"), "frustum_hierarchical");
+  EXPECT_GT(json.at("scene").at("objects"), 0);
+  EXPECT_GT(json.at("scene").at("triangles"), 0);
+  EXPECT_FALSE(json.contains("objects"));
+  ASSERT_EQ(json.at("frames").size(), 5u);
+  double reported = 0, seen = 0, submitted = 0;
+  for (std::size_t i = 0; i < 5; ++i) {
+    const Json& frame = json.at("frames")[i];
+    EXPECT_EQ(frame.at("frame"), i);
+    EXPECT_EQ(frame.at("eye").size(), 3u);
+    EXPECT_EQ(frame.at("candidates"), json.at("scene").at("objects"));
+    EXPECT_EQ(frame.at("visible"), frame.at("frustum"));  // both are frustum tests on the same boxes
+    EXPECT_LE(frame.at("truth"), frame.at("visible"));
+    EXPECT_EQ(frame.at("missed"), 0);
+    EXPECT_TRUE(frame.at("missed_ids").is_array());
+    EXPECT_GE(frame.at("cull_ms"), 0.0);
+    EXPECT_GT(frame.at("truth_ms"), 0.0);
+    EXPECT_FALSE(frame.contains("visible_ids"));
+    reported += frame.at("visible").get<double>();
+    seen += frame.at("truth").get<double>();
+    submitted += frame.at("triangles_submitted").get<double>();
+  }
+  const Json& summary = json.at("summary");
+  EXPECT_EQ(summary.at("missed"), 0);
+  ASSERT_GT(seen, 0);
+  EXPECT_DOUBLE_EQ(summary.at("overestimate"), reported / seen);
+  EXPECT_NEAR(summary.at("triangles_fraction").get<double>(),
+              submitted / 5 / json.at("scene").at("triangles").get<double>(), 1e-12);
+  EXPECT_GE(summary.at("cull_ms_median"), 0.0);
+  EXPECT_EQ(summary.at("verdict"), "ok");
+}
+
+TEST_F(Walk, WithoutTruthNothingIsClaimed) {
+  const Outcome outcome = small_walk({"--method", "frustum_linear", "--no-verify"});
+  ASSERT_EQ(outcome.code, 0) << outcome.err;
+  const Json json = outcome.json();
+  for (const char* key : {"truth", "missed", "missed_ids", "truth_ms"})
+    EXPECT_TRUE(json.at("frames")[0].at(key).is_null()) << key;
+  EXPECT_TRUE(json.at("summary").at("missed").is_null());
+  EXPECT_TRUE(json.at("summary").at("overestimate").is_null());
+  EXPECT_EQ(json.at("summary").at("verdict"), "unverified");
+}
+
+TEST_F(Walk, SeveralMethodsShareOneTruth) {
+  const Outcome outcome = small_walk({"--method", "none,frustum_linear"});
+  ASSERT_EQ(outcome.code, 0) << outcome.err;
+  const Json json = outcome.json();
+  EXPECT_EQ(json.at("schema"), "sightline.walk/1");
+  const Json& runs = json.at("runs");
+  ASSERT_EQ(runs.size(), 2u);
+  EXPECT_EQ(runs[0].at("method"), "none");
+  EXPECT_EQ(runs[1].at("method"), "frustum_linear");
+  for (std::size_t i = 0; i < 5; ++i) {
+    EXPECT_EQ(runs[0].at("frames")[i].at("truth_ms"), runs[1].at("frames")[i].at("truth_ms"));
+    EXPECT_EQ(runs[0].at("frames")[i].at("visible"), runs[0].at("frames")[i].at("candidates"));
+    EXPECT_LT(runs[1].at("frames")[i].at("visible"), runs[1].at("frames")[i].at("candidates"));
+  }
+}
+
+/// The matrix of a frame must put its eye where eyes are in OpenGL clip space: w = 0 and x = y = 0.
+TEST_F(Walk, IdsComeWithTheMatrixOfTheirView) {
+  const Outcome outcome = small_walk({"--method", "frustum_linear", "--ids"});
+  ASSERT_EQ(outcome.code, 0) << outcome.err;
+  const Json json = outcome.json();
+  const Json& objects = json.at("objects");
+  ASSERT_EQ(objects.size(), json.at("scene").at("objects"));
+  for (std::size_t i = 0; i < objects.size(); ++i) {
+    EXPECT_EQ(objects[i].at("id"), i);
+    EXPECT_TRUE(objects[i].at("name").is_string());
+    EXPECT_TRUE(objects[i].contains("source"));
+  }
+  for (const Json& frame : json.at("frames")) {
+    const auto ids = frame.at("visible_ids").get<std::vector<std::size_t>>();
+    EXPECT_EQ(ids.size(), frame.at("visible"));
+    EXPECT_TRUE(std::is_sorted(ids.begin(), ids.end()));
+    EXPECT_EQ(std::adjacent_find(ids.begin(), ids.end()), ids.end());
+    EXPECT_TRUE(ids.empty() || ids.back() < objects.size());
+    const auto m = frame.at("view_projection").get<std::vector<double>>();
+    const auto eye = frame.at("eye").get<std::vector<double>>();
+    ASSERT_EQ(m.size(), 16u);
+    for (const int row : {0, 1, 3}) {
+      const auto r = static_cast<std::size_t>(row);
+      EXPECT_NEAR(m[r] * eye[0] + m[4 + r] * eye[1] + m[8 + r] * eye[2] + m[12 + r], 0.0, 1e-9) << "row " << row;
+    }
+  }
+}
+
+TEST_F(Walk, ThreadsDoNotChangeTheAnswer) {
+  const auto ids_with = [&](const char* threads) {
+    const Outcome outcome = small_walk({"--method", all_cullers(), "--ids", "--threads", threads});
+    EXPECT_EQ(outcome.code, 0) << outcome.err;
+    Json answers;
+    const Json json = outcome.json();
+    for (const Json& run : json.at("runs"))
+      for (const Json& frame : run.at("frames"))
+        answers.push_back({run.at("method"), frame.at("visible_ids"), frame.at("truth"), frame.at("view_projection")});
+    return answers;
+  };
+  const Json one = ids_with("1");
+  EXPECT_GT(one.size(), 5u);
+  EXPECT_EQ(one, ids_with("2"));
+}
+
+TEST_F(Walk, SeedChangesGeneratedScenesAndPaths) {
+  const auto eyes = [&](const char* seed) {
+    const Outcome outcome = run({"walk", "generate:city:objects=200", "--frames", "3", "--size", "32x32", "--json", "-",
+                                 "--quiet", "--method", "none", "--no-verify", "--seed", seed});
+    EXPECT_EQ(outcome.code, 0) << outcome.err;
+    Json result;
+    const Json json = outcome.json();
+    for (const Json& frame : json.at("frames")) result.push_back(frame.at("eye"));
+    return result;
+  };
+  EXPECT_EQ(eyes("1"), eyes("1"));
+  EXPECT_NE(eyes("1"), eyes("2"));
+}
+
+TEST_F(Walk, PathFileIsFollowed) {
+  std::ofstream(file("path.json")) << R"({"views":[{"eye":[1,2,3],"look":[1,0,0]},{"eye":[4,5,6],"look":[0,0,1]}]})";
+  const Outcome outcome = run({"walk", "generate:city:objects=50", "--method", "none", "--path", file("path.json"),
+                               "--frames", "2", "--size", "64x64", "--json", "-"});
+  ASSERT_EQ(outcome.code, 0) << outcome.err;
+  const Json json = outcome.json();
+  EXPECT_EQ(json.at("frames")[0].at("eye"), Json({1.0, 2.0, 3.0}));
+  EXPECT_EQ(json.at("frames")[1].at("eye"), Json({4.0, 5.0, 6.0}));
+}
+
+TEST_F(Walk, TableAndVerdictAreText) {
+  const Outcome outcome = run({"walk", "generate:city:objects=100", "--frames", "3", "--size", "64x64", "--method",
+                               "frustum_linear", "--json", file("out.json")});
+  EXPECT_EQ(outcome.code, 0);
+  EXPECT_EQ(outcome.err, "");                                              // no progress where there is no terminal
+  EXPECT_EQ(std::count(outcome.out.begin(), outcome.out.end(), '\n'), 5);  // head, three frames, verdict
+  EXPECT_NE(outcome.out.find("ok: nothing visible was missed in 3 frames"), std::string::npos) << outcome.out;
+  EXPECT_EQ(outcome.out.find('\x1b'), std::string::npos);
+  EXPECT_EQ(Json::parse(read_file(file("out.json"))).at("frames").size(), 3u);
+}
+
+TEST_F(Walk, InterruptKeepsWhatIsThere) {
+  const pid_t child = start({"walk", "generate:city:objects=200", "--frames", "20000", "--method", "frustum_linear",
+                             "--samples", "4", "--json", file("out.json"), "--quiet"});
+  // The file is opened under a temporary name once interrupts are caught.
+  const auto output_is_open = [&] {
+    for (const auto& entry : std::filesystem::directory_iterator(file("")))
+      if (entry.path().filename().string().starts_with("out.json.part")) return true;
+    return false;
+  };
+  for (int tries = 0; tries < 1000 && !output_is_open(); ++tries)
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  ASSERT_TRUE(output_is_open());
+  kill(child, SIGINT);
+  const Outcome outcome = finish(child);
+  EXPECT_EQ(outcome.code, 130) << outcome.err;
+  const Json json = Json::parse(read_file(file("out.json")));
+  EXPECT_EQ(json.at("summary").at("interrupted"), true);
+  EXPECT_GE(json.at("frames").size(), 1u);
+  EXPECT_LT(json.at("frames").size(), 20000u);
+  EXPECT_FALSE(output_is_open()) << "a temporary file is left";
+}
+
+TEST_F(Walk, ReportIsOnePageWithTheData) {
+  const Outcome outcome = run({"walk", "generate:city:objects=100", "--frames", "3", "--size", "64x36", "--method",
+                               "frustum_linear,none", "--report", file("report")});
+  ASSERT_EQ(outcome.code, 0) << outcome.err;
+  const std::string page = read_file(file("report/index.html"));
+  EXPECT_EQ(page.find("SIGHTLINE_DATA"), std::string::npos);
+  const std::size_t begin = page.find("{\"schema\":\"sightline.walk/1\"");
+  ASSERT_NE(begin, std::string::npos);
+  // The data ends with its last brace before the end of the statement.
+  const std::size_t end = page.find("\n;", begin);
+  ASSERT_NE(end, std::string::npos);
+  const Json json = Json::parse(page.substr(begin, end - begin));
+  const Json& report = json.at("report");
+  EXPECT_EQ(report.at("frames").size(), 6u);  // three for each method
+  const std::size_t objects = json.at("scene").at("objects");
+  const auto base64_length = [](std::size_t bytes) { return (bytes + 2) / 3 * 4; };
+  EXPECT_EQ(report.at("objects").at("bounds").get<std::string>().size(), base64_length(objects * 24));
+  EXPECT_EQ(report.at("frames")[0].at("state").get<std::string>().size(), base64_length(objects));
+  EXPECT_EQ(report.at("pictures").size(), 9u);  // three frames, three kinds
+  EXPECT_EQ(report.at("pictures")[0].at("png").get<std::string>().substr(0, 8), "iVBORw0K");
+}
+
+}  // namespace
+}  // namespace sightline::cli_test

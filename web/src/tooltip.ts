@@ -1,0 +1,33 @@
+// The small label beside the pointer that names an object.
+import { STATE_MEANINGS, STATE_NAMES, UNKNOWN } from './data.ts';
+import { element } from './dom.ts';
+import { significant } from './format.ts';
+import type { Placement } from './placement.ts';
+
+export class Tooltip {
+  private readonly swatch = element('span', { class: 'swatch' });
+  private readonly text = element('span');
+  readonly root = element('div', { class: 'tooltip', hidden: true, role: 'tooltip' }, this.swatch, this.text);
+
+  /** Beside the pointer, on the side where there is room. */
+  show(event: MouseEvent, text: string, state_name: string): void {
+    const stage = (this.root.offsetParent ?? this.root.parentElement) as HTMLElement;
+    const { left, top, width } = stage.getBoundingClientRect();
+    const x = event.clientX - left, y = event.clientY - top;
+    this.root.hidden = false;
+    this.swatch.style.background = `var(--${state_name})`;
+    this.text.textContent = text;
+    const own = this.root.offsetWidth;
+    this.root.style.transform = `translate(${Math.round(x + own + 20 > width ? x - own - 12 : x + 14)}px, ${Math.round(y + 14)}px)`;
+  }
+
+  hide(): void {
+    this.root.hidden = true;
+  }
+}
+
+export function describe_object(id: number, place: Placement, states: Uint8Array | null): string {
+  const size = place.size(id).map((length) => significant(length)).join(' × ');
+  const state = states ? states[id] : UNKNOWN;
+  return `Object ${id} · ${STATE_NAMES[state]}: ${STATE_MEANINGS[state]} · ${size} m`;
+}
