@@ -2,7 +2,7 @@
 // fly with and the freeze that lets one look at a culled view from outside. Draws only when something changed.
 import { Raycaster, Scene, Vector2, WebGLRenderer, Color, type Object3D } from 'three';
 import { BoxMaterials, Boxes } from './boxes.ts';
-import { LOST, STATE_NAMES, type Camera, type Vector, type Walk } from './data.ts';
+import { LOST, STATE_NAMES, UNKNOWN, type Camera, type Vector, type Walk } from './data.ts';
 import { choice, colour, element } from './dom.ts';
 import { Flight, type Mode } from './flight.ts';
 import { significant } from './format.ts';
@@ -246,7 +246,8 @@ class SpaceView {
     if (event.buttons !== 0) return this.tooltip.hide();
     const id = this.object_under(event);
     if (id < 0) return this.tooltip.hide();
-    this.tooltip.show(event, describe_object(id, this.place, this.states()), STATE_NAMES[this.states()?.[id] ?? 5]);
+    const states = this.states(), checked = this.walk.checked(this.store.get('run'), this.store.state_frame);
+    this.tooltip.show(event, describe_object(id, this.place, states, checked), STATE_NAMES[states?.[id] ?? UNKNOWN]);
   }
 
   private resize(): void {
