@@ -248,7 +248,7 @@ HWY_INLINE void mark(const ScreenPoint& p, const ScreenPoint& q, const Margins& 
   }
 }
 
-/// Vertices to pixels, and facing of every triangle: > 0 front, < 0 back, 0 not drawn.
+/// Vertices to pixels.
 HWY_INLINE void project(const OccluderMesh& mesh, const ScreenTransform& t, Scratch& out) {
   const Float d;
   const auto row = [&](const float* m, auto dx, auto dy, auto dz) {
@@ -274,10 +274,27 @@ HWY_INLINE void project(const OccluderMesh& mesh, const ScreenTransform& t, Scra
   }
 }
 
-/// Fills `facing`, and `list` with the triangles that face the right way and whose box meets the image. Returns their
-/// number.
-HWY_INLINE std::size_t classify(const OccluderMesh& mesh, bool mirrored, const Margins& margins, const Tiles& tiles,
-                                Scratch& s) {
+/// Fills `facing` of every triangle: > 0 front, < 0 back, 0 without area; and the two slots that are no triangle.
+HWY_INLINE void face(const OccluderMesh& mesh, bool mirrored, Scratch& s) {
+  const Float d;
+  const Int di;
+  for (std::size_t i = 0; i < mesh.triangle_count; i += float_lanes()) {
+    const auto c0 = hn::LoadU(di, mesh.corner0.data() + i), c1 = hn::LoadU(di, mesh.corner1.data() + i),
+               c2 = hn::LoadU(di, mesh.corner2.data() + i);
+    const auto x0 = hn::GatherIndex(d, s.x.data(), c0), y0 = hn::GatherIndex(d, s.y.data(), c0);
+    const auto ux = hn::Sub(hn::GatherIndex(d, s.x.data(), c1), x0),
+               uy = hn::Sub(hn::GatherIndex(d, s.y.data(), c1), y0);
+    const auto vx = hn::Sub(hn::GatherIndex(d, s.x.data(), c2), x0),
+               vy = hn::Sub(hn::GatherIndex(d, s.y.data(), c2), y0);
+    const auto area = hn::Sub(hn::Mul(vx, uy), hn::Mul(ux, vy));
+    hn::StoreU(mirrored ? hn::Neg(area) : area, d, s.facing.data() + i);
+  }
+  s.facing[mesh.triangle_count] = 0.0f;
+}
+
+/// Fills `list` with the triangles whose facing has this sign and whose box meets the image. Returns their number.
+HWY_INLINE std::size_t find_triangles(const OccluderMesh& mesh, float sign, const Margins& margins, const Tiles& tiles,
+                                      Scratch& s) {
   const Float d;
   const Int di;
   const auto right = hn::Set(d, static_cast<float>(tiles.width) + margins.pixels);
@@ -285,46 +302,42 @@ HWY_INLINE std::size_t classify(const OccluderMesh& mesh, bool mirrored, const M
   const auto before = hn::Set(d, -margins.pixels);
   std::size_t count = 0;
   for (std::size_t i = 0; i < mesh.triangle_count; i += float_lanes()) {
+    auto drawn = hn::Gt(hn::Mul(hn::LoadU(d, s.facing.data() + i), hn::Set(d, sign)), hn::Zero(d));
+    drawn = hn::And(drawn, hn::FirstN(d, std::min(float_lanes(), static_cast<std::size_t>(mesh.triangle_count) - i)));
+    if (hn::AllFalse(d, drawn)) continue;
     const auto c0 = hn::LoadU(di, mesh.corner0.data() + i), c1 = hn::LoadU(di, mesh.corner1.data() + i),
                c2 = hn::LoadU(di, mesh.corner2.data() + i);
-    const auto x0 = hn::GatherIndex(d, s.x.data(), c0), x1 = hn::GatherIndex(d, s.x.data(), c1),
-               x2 = hn::GatherIndex(d, s.x.data(), c2);
-    const auto y0 = hn::GatherIndex(d, s.y.data(), c0), y1 = hn::GatherIndex(d, s.y.data(), c1),
-               y2 = hn::GatherIndex(d, s.y.data(), c2);
-    auto area = hn::Sub(hn::Mul(hn::Sub(x2, x0), hn::Sub(y1, y0)), hn::Mul(hn::Sub(x1, x0), hn::Sub(y2, y0)));
-    if (mirrored) area = hn::Neg(area);
-    if (mesh.closed) area = hn::Max(area, hn::Zero(d));
-    hn::StoreU(area, d, s.facing.data() + i);
-    auto drawn = hn::Ne(area, hn::Zero(d));
-    drawn = hn::And(drawn,
-                    hn::And(hn::Ge(hn::Max(hn::Max(x0, x1), x2), before), hn::Le(hn::Min(hn::Min(x0, x1), x2), right)));
-    drawn = hn::And(
-        drawn, hn::And(hn::Ge(hn::Max(hn::Max(y0, y1), y2), before), hn::Le(hn::Min(hn::Min(y0, y1), y2), bottom)));
-    drawn = hn::And(drawn, hn::FirstN(d, std::min(float_lanes(), static_cast<std::size_t>(mesh.triangle_count) - i)));
-    count += hn::CompressStore(hn::Iota(di, static_cast<std::int32_t>(i)), hn::RebindMask(di, drawn), di,
-                               s.list.data() + count);
+    const auto meets = [&](const std::vector<float>& p, auto low, auto high) {
+      const auto p0 = hn::GatherIndex(d, p.data(), c0), p1 = hn::GatherIndex(d, p.data(), c1),
+                 p2 = hn::GatherIndex(d, p.data(), c2);
+      return hn::And(hn::Ge(hn::Max(hn::Max(p0, p1), p2), low), hn::Le(hn::Min(hn::Min(p0, p1), p2), high));
+    };
+    drawn = hn::And(drawn, hn::And(meets(s.x, before, right), meets(s.y, before, bottom)));
+    const auto ids = hn::Iota(di, static_cast<std::int32_t>(i));
+    count += hn::CompressStore(ids, hn::RebindMask(di, drawn), di, s.list.data() + count);
   }
-  s.facing[mesh.triangle_count] = 0.0f;
-  s.facing[mesh.triangle_count + 1] = 1.0f;
   return count;
 }
 
-/// Fills `list` with the edges that are contours in this view. Returns their number.
-HWY_INLINE std::size_t find_contours(const OccluderMesh& mesh, Scratch& s) {
+/// Fills `edge_list` with the contours of the triangles whose facing has this sign: edges that do not join two of them.
+/// Returns their number.
+HWY_INLINE std::size_t find_contours(const OccluderMesh& mesh, float sign, Scratch& s) {
   const Float d;
   const Int di;
+  const auto zero = hn::Zero(d), direction = hn::Set(d, sign);
+  s.facing[mesh.triangle_count + 1] = sign;
   std::size_t count = 0;
   for (std::size_t i = 0; i < mesh.edge_count; i += float_lanes()) {
-    const auto f0 = hn::GatherIndex(d, s.facing.data(), hn::LoadU(di, mesh.edge_first.data() + i));
-    const auto f1 = hn::Mul(hn::GatherIndex(d, s.facing.data(), hn::LoadU(di, mesh.edge_second.data() + i)),
-                            hn::LoadU(d, mesh.edge_winding.data() + i));
-    const auto zero = hn::Zero(d);
-    const auto inner = hn::Or(hn::And(hn::Gt(f0, zero), hn::Gt(f1, zero)), hn::And(hn::Lt(f0, zero), hn::Lt(f1, zero)));
-    const auto drawn = hn::Or(hn::Ne(f0, zero), hn::Ne(f1, zero));
-    auto contour = hn::AndNot(inner, drawn);
+    const auto drawn = [&](const std::vector<std::int32_t>& triangles) {
+      const auto facing = hn::GatherIndex(d, s.facing.data(), hn::LoadU(di, triangles.data() + i));
+      return hn::Gt(hn::Mul(facing, direction), zero);
+    };
+    const auto first = drawn(mesh.edge_first), second = drawn(mesh.edge_second);
+    const auto inner = hn::And(hn::And(first, second), hn::Gt(hn::LoadU(d, mesh.edge_winding.data() + i), zero));
+    auto contour = hn::AndNot(inner, hn::Or(first, second));
     contour = hn::And(contour, hn::FirstN(d, std::min(float_lanes(), static_cast<std::size_t>(mesh.edge_count) - i)));
-    count += hn::CompressStore(hn::Iota(di, static_cast<std::int32_t>(i)), hn::RebindMask(di, contour), di,
-                               s.list.data() + count);
+    const auto ids = hn::Iota(di, static_cast<std::int32_t>(i));
+    count += hn::CompressStore(ids, hn::RebindMask(di, contour), di, s.edge_list.data() + count);
   }
   return count;
 }
@@ -332,38 +345,6 @@ HWY_INLINE std::size_t find_contours(const OccluderMesh& mesh, Scratch& s) {
 HWY_INLINE ScreenPoint point(const Scratch& s, std::int32_t vertex) {
   const auto v = static_cast<std::size_t>(vertex);
   return {s.x[v], s.y[v], s.near[v]};
-}
-
-inline void draw_mesh(const OccluderMesh& mesh, const ScreenTransform& transform, bool mirrored, const Margins& margins,
-                      Tiles& tiles, Scratch& s, FillCounts& counts) {
-  constexpr std::size_t padding = 2 * tile_pixels;
-  if (s.x.size() < mesh.vertex_count + padding)
-    for (auto* array : {&s.x, &s.y, &s.near}) array->resize(mesh.vertex_count + padding);
-  if (s.facing.size() < mesh.triangle_count + padding) s.facing.resize(mesh.triangle_count + padding);
-  const std::size_t most = std::max(mesh.triangle_count, mesh.edge_count) + padding;
-  if (s.list.size() < most) s.list.resize(most);
-
-  project(mesh, transform, s);
-  const std::size_t triangles = classify(mesh, mirrored, margins, tiles, s);
-  for (std::size_t i = 0; i < triangles; ++i) {
-    const auto t = static_cast<std::size_t>(s.list[i]);
-    const ScreenPoint corners[3] = {point(s, mesh.corner0[t]), point(s, mesh.corner1[t]), point(s, mesh.corner2[t])};
-    fill(corners, margins, tiles, counts);
-  }
-  if (triangles == 0) return;
-  const std::size_t contours = find_contours(mesh, s);
-  for (std::size_t i = 0; i < contours; ++i) {
-    const auto e = static_cast<std::size_t>(s.list[i]);
-    mark(point(s, mesh.edge_from[e]), point(s, mesh.edge_to[e]), margins, tiles, counts);
-  }
-}
-
-inline void fill_triangle(const ScreenPoint* corners, const Margins& margins, Tiles& tiles, FillCounts& counts) {
-  fill(corners, margins, tiles, counts);
-}
-inline void mark_contour(const ScreenPoint& p, const ScreenPoint& q, const Margins& margins, Tiles& tiles,
-                         FillCounts& counts) {
-  mark(p, q, margins, tiles, counts);
 }
 
 inline void commit(Tiles& tiles) {
@@ -384,6 +365,54 @@ inline void commit(Tiles& tiles) {
     tiles.listed[tile] = 0;
   }
   tiles.touched.clear();
+}
+
+/// Draws the triangles whose facing has this sign, component by component.
+HWY_INLINE void draw_side(const OccluderMesh& mesh, float sign, const Margins& margins, Tiles& tiles, Scratch& s,
+                          FillCounts& counts) {
+  const std::size_t triangles = find_triangles(mesh, sign, margins, tiles, s);
+  if (triangles == 0) return;
+  const std::size_t contours = find_contours(mesh, sign, s);
+  std::size_t triangle = 0, contour = 0;
+  for (std::size_t c = 0; triangle < triangles; ++c) {
+    const auto last = static_cast<std::int32_t>(mesh.triangle_begin[c + 1]);
+    if (s.list[triangle] >= last) continue;
+    for (; triangle < triangles && s.list[triangle] < last; ++triangle) {
+      const auto t = static_cast<std::size_t>(s.list[triangle]);
+      const ScreenPoint corners[3] = {point(s, mesh.corner0[t]), point(s, mesh.corner1[t]), point(s, mesh.corner2[t])};
+      fill(corners, margins, tiles, counts);
+    }
+    const auto first_edge = static_cast<std::int32_t>(mesh.edge_begin[c]);
+    const auto last_edge = static_cast<std::int32_t>(mesh.edge_begin[c + 1]);
+    for (; contour < contours && s.edge_list[contour] < last_edge; ++contour) {
+      const auto e = static_cast<std::size_t>(s.edge_list[contour]);
+      if (s.edge_list[contour] >= first_edge)
+        mark(point(s, mesh.edge_from[e]), point(s, mesh.edge_to[e]), margins, tiles, counts);
+    }
+    commit(tiles);
+  }
+}
+
+inline void draw_mesh(const OccluderMesh& mesh, const ScreenTransform& transform, bool mirrored, const Margins& margins,
+                      Tiles& tiles, Scratch& s, FillCounts& counts) {
+  constexpr std::size_t padding = 2 * tile_pixels;
+  if (s.x.size() < mesh.vertex_count + padding)
+    for (auto* array : {&s.x, &s.y, &s.near}) array->resize(mesh.vertex_count + padding);
+  if (s.facing.size() < mesh.triangle_count + padding) s.facing.resize(mesh.triangle_count + padding);
+  if (s.list.size() < mesh.triangle_count + padding) s.list.resize(mesh.triangle_count + padding);
+  if (s.edge_list.size() < mesh.edge_count + padding) s.edge_list.resize(mesh.edge_count + padding);
+  project(mesh, transform, s);
+  face(mesh, mirrored, s);
+  draw_side(mesh, 1.0f, margins, tiles, s, counts);
+  if (!mesh.closed) draw_side(mesh, -1.0f, margins, tiles, s, counts);
+}
+
+inline void fill_triangle(const ScreenPoint* corners, const Margins& margins, Tiles& tiles, FillCounts& counts) {
+  fill(corners, margins, tiles, counts);
+}
+inline void mark_contour(const ScreenPoint& p, const ScreenPoint& q, const Margins& margins, Tiles& tiles,
+                         FillCounts& counts) {
+  mark(p, q, margins, tiles, counts);
 }
 
 inline void reduce(Tiles& tiles) {
