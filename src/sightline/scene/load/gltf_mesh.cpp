@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <numeric>
 #include <string>
-#include <utility>
 
 #include "sightline/scene/load/gltf_accessor.hpp"
 
@@ -113,36 +112,14 @@ Mesh GltfMeshes::read_alone(const JsonObject& primitive, std::size_t position, s
 }
 
 Mesh GltfMeshes::read_shared(const JsonObject& primitive, std::size_t position, std::uint64_t mode) {
-  auto entry = shared_.find(position);
-  if (entry == shared_.end()) {
-    SharedPoints points{read_points(document_, position), {}, {}};
-    document_.spend(points.points.size() * sizeof(std::uint64_t), primitive);
-    points.new_index.resize(points.points.size());
-    points.seen_by.resize(points.points.size());
-    entry = shared_.emplace(position, std::move(points)).first;
+  auto pool = shared_.find(position);
+  if (pool == shared_.end()) {
+    pool = shared_.emplace(position, VertexPool(read_points(document_, position))).first;
+    document_.spend(pool->second.size() * sizeof(std::uint64_t), primitive);
   }
-  SharedPoints& shared = entry->second;
-  Mesh mesh;
-  mesh.triangles = read_triangles(primitive, shared.points.size(), mode);
-  document_.spend(std::uint64_t{mesh.triangles.size()} * 3 * sizeof(glm::vec3), primitive);
-  // Work goes with the triangles of this primitive, not with the vertices of all; the order of the vertices stays.
-  const std::uint32_t number = ++shared.meshes;
-  std::vector<std::uint32_t> used;
-  for (const glm::uvec3& triangle : mesh.triangles) {
-    for (int corner = 0; corner < 3; ++corner) {
-      const std::uint32_t vertex = triangle[corner];
-      if (std::exchange(shared.seen_by[vertex], number) != number) used.push_back(vertex);
-    }
-  }
-  std::ranges::sort(used);
-  for (const std::uint32_t vertex : used) {
-    shared.new_index[vertex] = static_cast<std::uint32_t>(mesh.positions.size());
-    mesh.positions.push_back(shared.points[vertex]);
-  }
-  for (glm::uvec3& triangle : mesh.triangles) {
-    for (int corner = 0; corner < 3; ++corner) triangle[corner] = shared.new_index[triangle[corner]];
-  }
-  return mesh;
+  std::vector<glm::uvec3> triangles = read_triangles(primitive, pool->second.size(), mode);
+  document_.spend(std::uint64_t{triangles.size()} * 3 * sizeof(glm::vec3), primitive);
+  return pool->second.mesh_of(std::move(triangles));
 }
 
 std::vector<glm::uvec3> GltfMeshes::read_triangles(const JsonObject& primitive, std::size_t points,

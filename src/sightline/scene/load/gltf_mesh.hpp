@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "sightline/scene/load/gltf_document.hpp"
+#include "sightline/scene/load/vertex_pool.hpp"
 #include "sightline/scene/scene.hpp"
 
 namespace sightline {
@@ -32,14 +33,6 @@ class GltfMeshes {
  private:
   /// Which geometry a primitive shows: two with the same key share a Mesh, whatever their materials.
   using Key = std::tuple<std::size_t, std::size_t, std::uint64_t>;
-  /// Positions of an accessor that several primitives use.
-  struct SharedPoints {
-    std::vector<glm::vec3> points;
-    std::vector<std::uint32_t> new_index;  // of a vertex in the mesh that is being made
-    std::vector<std::uint32_t> seen_by;    // number of the last mesh that used the vertex
-    std::uint32_t meshes = 0;
-  };
-
   void count_uses();
   std::vector<Part> read_parts(std::size_t index);
   std::optional<MeshId> read_geometry(const JsonObject& primitive, const std::string& name);
@@ -52,8 +45,8 @@ class GltfMeshes {
   SceneBuilder& builder_;
   std::vector<std::optional<std::vector<Part>>> parts_;
   std::map<Key, std::optional<MeshId>> geometry_;
-  std::vector<std::uint32_t> uses_;  // how many primitives use an accessor as positions
-  std::map<std::size_t, SharedPoints> shared_;
+  std::vector<std::uint32_t> uses_;           // how many primitives use an accessor as positions
+  std::map<std::size_t, VertexPool> shared_;  // positions that several primitives use, by accessor
 };
 
 }  // namespace sightline
