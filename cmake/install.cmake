@@ -49,6 +49,7 @@ if(BUILD_SHARED_LIBS)
 else()
   set(SIGHTLINE_PC_REQUIRES "Requires: glm tbb libhwy")
 endif()
+file(RELATIVE_PATH SIGHTLINE_PC_PREFIX /${CMAKE_INSTALL_LIBDIR}/pkgconfig /)
 configure_file(cmake/sightline.pc.in sightline.pc @ONLY)
 install(FILES ${PROJECT_BINARY_DIR}/sightline.pc DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig COMPONENT development)
 
