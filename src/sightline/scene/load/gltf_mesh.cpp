@@ -6,6 +6,7 @@
 #include <string>
 
 #include "sightline/scene/load/gltf_accessor.hpp"
+#include "sightline/scene/load/gltf_draco.hpp"
 
 namespace sightline {
 
@@ -13,7 +14,9 @@ static_assert(sizeof(glm::uvec3) == 3 * sizeof(std::uint32_t));
 
 namespace {
 
-constexpr std::uint64_t mode_triangles = 4, mode_strip = 5, mode_fan = 6;
+constexpr std::uint64_t mode_triangles = 4, mode_fan = 6;  // and strips between
+constexpr std::uint64_t mode_draco = 7;                    // none of glTF's, marks the key of compressed primitives
+constexpr std::uint64_t most_draco_id = 0xFFFFFFFFu;
 constexpr std::size_t no_accessor = static_cast<std::size_t>(-1);
 
 std::string mesh_name(const JsonObject& mesh, std::size_t index) {
@@ -76,7 +79,7 @@ std::vector<GltfMeshes::Part> GltfMeshes::read_parts(std::size_t index) {
     const JsonObject primitive = mesh.item("primitives", p);
     const bool opaque = is_opaque(primitive);
     if (const auto id = read_geometry(primitive, name)) parts.push_back({*id, static_cast<std::int32_t>(p), opaque});
-    if (primitive.count("targets") > 0) document_.warn(primitive.place() + ": morph targets are not used");
+    if (primitive.count("targets") > 0) document_.warn("morph targets are not used", primitive.place());
   }
   return parts;
 }
@@ -86,22 +89,41 @@ std::optional<MeshId> GltfMeshes::read_geometry(const JsonObject& primitive, con
   const std::optional<JsonObject> attributes = primitive.object("attributes");
   const auto position = attributes ? attributes->reference("POSITION", uses_.size()) : std::nullopt;
   if (mode < mode_triangles || !position) {
-    document_.warn(primitive.place() + (position ? ": points and lines are left out" : ": has no positions, left out"));
+    document_.warn(position ? "points and lines are left out" : "has no positions, left out", primitive.place());
     return std::nullopt;
   }
-  const Key key{*position, primitive.reference("indices", uses_.size()).value_or(no_accessor), mode};
+  const std::optional<JsonObject> draco = gltf_extension(primitive, "KHR_draco_mesh_compression");
+  const Key key = draco ? draco_key(*draco)
+                        : Key{mode, *position, primitive.reference("indices", uses_.size()).value_or(no_accessor)};
   if (const auto known = geometry_.find(key); known != geometry_.end()) return known->second;
 
-  Mesh mesh = uses_[*position] == 1 ? read_alone(primitive, *position, mode) : read_shared(primitive, *position, mode);
+  Mesh mesh = draco                   ? read_draco(*draco, key)
+              : uses_[*position] == 1 ? read_alone(primitive, *position, mode)
+                                      : read_shared(primitive, *position, mode);
   std::optional<MeshId> id;
   if (mesh.triangles.empty()) {
-    document_.warn(primitive.place() + ": has no triangles, left out");
+    document_.warn("has no triangles, left out", primitive.place());
   } else {
     mesh.name = name;
     id = builder_.add_mesh(std::move(mesh));
   }
   geometry_.emplace(key, id);
   return id;
+}
+
+GltfMeshes::Key GltfMeshes::draco_key(const JsonObject& draco) const {
+  const auto view = draco.reference("bufferView", document_.count("bufferViews"));
+  if (!view) draco.fail("bufferView", "is missing");
+  const std::optional<JsonObject> attributes = draco.object("attributes");
+  if (!attributes) draco.fail("attributes", "is missing");
+  return {mode_draco, *view, static_cast<std::size_t>(attributes->required_integer("POSITION", most_draco_id))};
+}
+
+Mesh GltfMeshes::read_draco(const JsonObject& draco, const Key& key) {
+  const auto& [mode, view, position] = key;
+  Mesh mesh = decode_draco(draco, document_.view(view), static_cast<std::uint32_t>(position));
+  document_.spend((mesh.positions.size() + mesh.triangles.size()) * sizeof(glm::vec3), draco);
+  return mesh;
 }
 
 Mesh GltfMeshes::read_alone(const JsonObject& primitive, std::size_t position, std::uint64_t mode) {
@@ -139,8 +161,7 @@ std::vector<glm::uvec3> GltfMeshes::read_triangles(const JsonObject& primitive, 
                    "vertex " + std::to_string(largest) + " is beyond the " + std::to_string(points) + " there are");
   }
   if (mode == mode_triangles && corners.size() % 3 != 0) {
-    document_.warn(primitive.place() + ": the last " + std::to_string(corners.size() % 3) +
-                   " corners make no triangle");
+    document_.warn("the last corners make no triangle", primitive.place());
   }
   document_.spend(std::uint64_t{corners.size()} * sizeof(glm::uvec3), primitive);
   return assemble(corners, mode);

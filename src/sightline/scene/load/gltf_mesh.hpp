@@ -32,10 +32,13 @@ class GltfMeshes {
 
  private:
   /// Which geometry a primitive shows: two with the same key share a Mesh, whatever their materials.
-  using Key = std::tuple<std::size_t, std::size_t, std::uint64_t>;
+  /// (mode, position accessor, index accessor), or for Draco (its mark, buffer view, attribute id).
+  using Key = std::tuple<std::uint64_t, std::size_t, std::size_t>;
   void count_uses();
   std::vector<Part> read_parts(std::size_t index);
   std::optional<MeshId> read_geometry(const JsonObject& primitive, const std::string& name);
+  [[nodiscard]] Key draco_key(const JsonObject& draco) const;
+  Mesh read_draco(const JsonObject& draco, const Key& key);
   Mesh read_alone(const JsonObject& primitive, std::size_t position, std::uint64_t mode);
   Mesh read_shared(const JsonObject& primitive, std::size_t position, std::uint64_t mode);
   std::vector<glm::uvec3> read_triangles(const JsonObject& primitive, std::size_t points, std::uint64_t mode);
