@@ -1,6 +1,6 @@
 // Makes synthetic data for the report page: a city of boxes, a walk through its streets, the truth by rays through a grid,
 // a culler that draws a bit too much and, if wanted, loses something. `node fixture.mjs [--objects N] [--frames N]
-// [--methods N] [--lose] [--no-verify] [--bare] > walk.json`; the same options give the same data.
+// [--methods N] [--stored N] [--lose] [--ceiling] [--no-verify] [--bare] > walk.json`; the same options give the same data.
 import { deflateSync } from 'node:zlib';
 import { fileURLToPath } from 'node:url';
 
@@ -21,7 +21,7 @@ function random_source(seed) {
 }
 
 /** Boxes as [x0, y0, z0, x1, y1, z1]: two thirds buildings in blocks, the rest things that stand in the streets. */
-function city(objects, random) {
+function city(objects, random, ceiling) {
   const blocks = Math.max(2, Math.round(Math.sqrt(objects / 13)));
   const boxes = [], span = BLOCK + STREET;
   while (boxes.length < objects) {
@@ -41,8 +41,11 @@ function city(objects, random) {
       boxes.push([x, 0, z, x + size[side ? 0 : 2], size[1], z + size[side ? 2 : 0]]);
     }
   }
+  if (ceiling) for (let i = 0; i < blocks * blocks; ++i) boxes[i] = roof_over((i % blocks) * span, Math.floor(i / blocks) * span, span);
   return { boxes, blocks, span };
 }
+
+const roof_over = (x, z, span) => [x, 5, z, x + span, 5.2, z + span];
 
 /** Eyes along streets with rounded corners, looking along the way. */
 function walk_path({ blocks, span }, frames) {
@@ -73,29 +76,26 @@ const dot = (a, b) => a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 
 /** Boxes by the square of the ground they stand on. */
 function ground_grid(boxes, cell) {
-  const squares = new Map();
+  const width = Math.ceil(Math.max(...boxes.map((box) => Math.max(box[3], box[5]))) / cell) + 1;
+  const squares = Array.from({ length: width * width }, () => []);
   boxes.forEach((box, id) => {
     for (let x = Math.floor(box[0] / cell); x <= Math.floor(box[3] / cell); ++x)
-      for (let z = Math.floor(box[2] / cell); z <= Math.floor(box[5] / cell); ++z) {
-        const key = x * 65536 + z;
-        if (!squares.has(key)) squares.set(key, []);
-        squares.get(key).push(id);
-      }
+      for (let z = Math.floor(box[2] / cell); z <= Math.floor(box[5] / cell); ++z) squares[z * width + x].push(id);
   });
-  return { squares, cell };
+  return { squares, cell, width };
 }
 
 /** The first box along a ray, and how far: a walk over the squares of the ground. */
 function first_hit(boxes, grid, origin, direction) {
-  const { cell, squares } = grid;
+  const { cell, squares, width } = grid;
   let x = Math.floor(origin[0] / cell), z = Math.floor(origin[2] / cell);
   const step_x = Math.sign(direction[0]), step_z = Math.sign(direction[2]);
   const slope_x = Math.abs(cell / direction[0]), slope_z = Math.abs(cell / direction[2]);
   let next_x = ((x + (step_x > 0 ? 1 : 0)) * cell - origin[0]) / direction[0] || Infinity;
   let next_z = ((z + (step_z > 0 ? 1 : 0)) * cell - origin[2]) / direction[2] || Infinity;
   let nearest = FAR, found = -1;
-  for (let left = 400; left > 0; --left) {
-    for (const id of squares.get(x * 65536 + z) ?? []) {
+  while (x >= 0 && z >= 0 && x < width && z < width) {
+    for (const id of squares[z * width + x]) {
       const t = enter_box(boxes[id], origin, direction);
       if (t < nearest) { nearest = t; found = id; }
     }
@@ -112,18 +112,19 @@ function enter_box(box, origin, direction) {
     const a = (box[axis] - origin[axis]) / direction[axis], b = (box[axis + 3] - origin[axis]) / direction[axis];
     enter = Math.max(enter, Math.min(a, b));
     leave = Math.min(leave, Math.max(a, b));
+    if (enter > leave) return Infinity;
   }
-  return enter <= leave ? enter : Infinity;
+  return enter;
 }
 
 /** Every pixel's first box and distance. */
 function look(boxes, grid, view) {
   const [width, height] = SIZE, half_y = Math.tan(FOV_Y / 2), half_x = (half_y * width) / height;
-  const ids = new Int32Array(width * height), depth = new Float32Array(width * height);
+  const ids = new Int32Array(width * height), depth = new Float32Array(width * height), direction = [0, 0, 0];
   for (let y = 0; y < height; ++y)
     for (let x = 0; x < width; ++x) {
       const u = ((x + 0.5) / width * 2 - 1) * half_x, v = (1 - (y + 0.5) / height * 2) * half_y;
-      const direction = [0, 1, 2].map((axis) => view.direction[axis] + u * view.right[axis] + v * view.up[axis]);
+      for (let axis = 0; axis < 3; ++axis) direction[axis] = view.direction[axis] + u * view.right[axis] + v * view.up[axis];
       const hit = first_hit(boxes, grid, view.eye, direction);
       ids[y * width + x] = hit.id;
       depth[y * width + x] = hit.distance;
@@ -203,8 +204,8 @@ function judge(truth, frustum, frame, method, random, sloppy) {
 
 const METHODS = ['occlusion_masked', 'occlusion_queries', 'frustum'];
 
-export function make_fixture({ objects = 3000, frames = 120, methods = 1, lose = false, verify = true, bare = false, stored = frames } = {}) {
-  const random = random_source(7), town = city(objects, random), { boxes } = town;
+export function make_fixture({ objects = 3000, frames = 120, methods = 1, lose = false, ceiling = false, verify = true, bare = false, stored = frames } = {}) {
+  const random = random_source(7), town = city(objects, random, ceiling), { boxes } = town;
   const views = walk_path(town, frames), grid = ground_grid(boxes, 20);
   const triangles_of = boxes.map((_, id) => 200 + Math.floor(9000 * random_source(id)() ** 3));
   const triangles = triangles_of.reduce((a, b) => a + b, 0);
@@ -258,6 +259,6 @@ if (process.argv[1] === fileURLToPath(import.meta.url)) {
   const options = process.argv.slice(2), number = (name, standard) => (options.includes(name) ? Number(options[options.indexOf(name) + 1]) : standard);
   process.stdout.write(JSON.stringify(make_fixture({
     objects: number('--objects', 3000), frames: number('--frames', 120), methods: number('--methods', 1), stored: number('--stored', Infinity),
-    lose: options.includes('--lose'), verify: !options.includes('--no-verify'), bare: options.includes('--bare'),
+    lose: options.includes('--lose'), ceiling: options.includes('--ceiling'), verify: !options.includes('--no-verify'), bare: options.includes('--bare'),
   })));
 }

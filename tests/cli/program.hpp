@@ -49,7 +49,7 @@ class ProgramTest : public testing::Test {
     std::vector<char*> arguments{const_cast<char*>("sightline")};
     for (const std::string& word : words) arguments.push_back(const_cast<char*>(word.c_str()));
     arguments.push_back(nullptr);
-    execv(SIGHTLINE_PROGRAM, arguments.data());
+    execv(SIGHTLINE_TOOL, arguments.data());
     _exit(127);
   }
 

@@ -2,7 +2,6 @@
 if(TARGET sightline_cli)
   add_dependencies(test_cli sightline_cli)
   target_link_libraries(test_cli PRIVATE sightline_verbs)
-  target_compile_definitions(test_cli PRIVATE SIGHTLINE_PROGRAM="$<TARGET_FILE:sightline_cli>")
 else()
   set_target_properties(test_cli PROPERTIES EXCLUDE_FROM_ALL ON)
 endif()

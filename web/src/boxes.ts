@@ -1,5 +1,6 @@
 // All objects as boxes in one instanced draw call: bounds go to the GPU once, a frame changes one byte per object. Solid
-// boxes are shaded with thin edges; the same boxes can be drawn as edges only, or through everything else.
+// boxes are shaded with thin edges, only the three faces towards the camera are drawn; the same boxes can be drawn as
+// edges only, or through everything else.
 import {
   BufferAttribute, BufferGeometry, Color, DoubleSide, InstancedBufferAttribute, InstancedBufferGeometry, LineSegments, Mesh, ShaderMaterial,
   type Object3D,
@@ -9,28 +10,41 @@ import { colour } from './dom.ts';
 
 export type BoxStyle = 'solid' | 'edges' | 'through';
 
-/** What all boxes share; changing a value shows with the next drawing. */
-export interface BoxLook {
-  palette: { value: Color[] };
-  shown: { value: number[] };
-  cut: { value: number };      // height, relative to the centre
-  haze: { value: Color };      // what distance fades to
-  haze_distance: { value: number };
-}
+/** What boxes share: how they look, and one material per style. Changing a value shows with the next drawing. */
+export class BoxMaterials {
+  readonly palette = { value: STATE_NAMES.map(() => new Color()) };
+  readonly shown = { value: STATE_NAMES.map(() => 1) };
+  readonly cut = { value: 1e9 };            // height, relative to the centre
+  readonly haze = { value: new Color() };   // what distance fades to
+  readonly haze_distance = { value: 1e9 };
+  readonly haze_share = { value: 0 };       // of the haze at the far end, 0 to 1
+  private readonly made = new Map<BoxStyle, ShaderMaterial>();
 
-export function box_look(): BoxLook {
-  return {
-    palette: { value: STATE_NAMES.map(() => new Color()) },
-    shown: { value: STATE_NAMES.map(() => 1) },
-    cut: { value: 1e9 },
-    haze: { value: new Color() },
-    haze_distance: { value: 1 },
-  };
-}
+  of(style: BoxStyle): ShaderMaterial {
+    const known = this.made.get(style) ?? this.make(style);
+    this.made.set(style, known);
+    return known;
+  }
 
-export function paint_look(look: BoxLook): void {
-  STATE_NAMES.forEach((name, state) => look.palette.value[state].setStyle(colour(`--${name}`)));
-  look.haze.value.setStyle(colour('--space'));
+  /** Takes the colours of the page's scheme, or one for all. */
+  paint(single?: string): void {
+    STATE_NAMES.forEach((name, state) => this.palette.value[state].setStyle(colour(single ?? `--${name}`)));
+    this.haze.value.setStyle(colour('--space'));
+  }
+
+  private make(style: BoxStyle): ShaderMaterial {
+    const { palette, shown, cut, haze, haze_distance, haze_share } = this;
+    return new ShaderMaterial({
+      vertexShader: VERTEX,
+      fragmentShader: FRAGMENT,
+      uniforms: { palette, shown, cut, haze, haze_distance, haze_share, strength: { value: style === 'through' ? 0.75 : 1 } },
+      defines: style === 'solid' ? { SHADED: '' } : {},
+      transparent: style === 'through',
+      depthTest: style !== 'through',
+      depthWrite: style !== 'through',
+      side: DoubleSide,
+    });
+  }
 }
 
 const VERTEX = `
@@ -40,17 +54,22 @@ attribute float state;
 uniform vec3 palette[6];
 uniform float shown[6];
 uniform float cut;
-varying vec3 tint;
-varying vec3 side;
+flat varying vec3 tint;
+flat varying vec3 side;
 varying vec3 place;
 varying float away;
 void main() {
   int number = int(state + 0.5);
   tint = palette[number];
   vec3 top = vec3(hi.x, min(hi.y, cut), hi.z);
-  vec4 seen = modelViewMatrix * vec4(mix(lo, top, position), 1.0);
-  side = normal;
   place = position;
+  side = normal;
+#ifdef SHADED
+  vec3 towards = step(0.5 * (lo + top), cameraPosition);
+  place = mix(1.0 - position, position, towards);
+  side = normal * (2.0 * towards - 1.0);
+#endif
+  vec4 seen = modelViewMatrix * vec4(mix(lo, top, place), 1.0);
   away = -seen.z;
   gl_Position = projectionMatrix * seen;
   if (shown[number] < 0.5 || !(lo.y < cut)) gl_Position = vec4(2.0, 2.0, 2.0, 1.0);
@@ -59,9 +78,10 @@ void main() {
 const FRAGMENT = `
 uniform vec3 haze;
 uniform float haze_distance;
+uniform float haze_share;
 uniform float strength;
-varying vec3 tint;
-varying vec3 side;
+flat varying vec3 tint;
+flat varying vec3 side;
 varying vec3 place;
 varying float away;
 float edge() {
@@ -75,58 +95,48 @@ float edge() {
 void main() {
   vec3 colour = tint;
 #ifdef SHADED
-  float light = 0.86 + 0.14 * side.y + 0.09 * side.x - 0.05 * abs(side.z);
+  float light = 0.82 + 0.2 * side.y + 0.1 * side.x - 0.1 * abs(side.z) + 0.04 * side.z;
   colour = tint * light;
   colour = mix(colour, colour * 0.55, edge() * 0.75);
 #endif
   float fade = 1.0 - exp(-away / haze_distance);
-  colour = mix(colour, haze, clamp(fade, 0.0, 1.0) * 0.6);
+  colour = mix(colour, haze, clamp(fade, 0.0, 1.0) * haze_share);
   gl_FragColor = vec4(colour, strength);
   #include <colorspace_fragment>
 }`;
 
 const CORNERS = [0, 1].flatMap((x) => [0, 1].flatMap((y) => [0, 1].map((z) => [x, y, z])));
 
-/** The unit cube as 12 triangles with normals. */
-function cube(): { position: Float32Array; normal: Float32Array } {
-  const position: number[] = [], normal: number[] = [];
-  for (let axis = 0; axis < 3; ++axis)
-    for (const end of [0, 1]) {
-      const u = (axis + 1) % 3, v = (axis + 2) % 3;
-      const square = end ? [[0, 0], [1, 0], [1, 1], [0, 0], [1, 1], [0, 1]] : [[0, 0], [1, 1], [1, 0], [0, 0], [0, 1], [1, 1]];
-      for (const [a, b] of square) {
-        const corner = [0, 0, 0], out = [0, 0, 0];
-        corner[axis] = end;
-        corner[u] = a;
-        corner[v] = b;
-        out[axis] = end ? 1 : -1;
-        position.push(...corner);
-        normal.push(...out);
-      }
+interface Shape {
+  position: Float32Array;
+  normal: Float32Array;
+  index: number[] | null;
+}
+
+/** Three faces of the unit cube; the vertex shader turns them to the side from which a box is seen. */
+function half_cube(): Shape {
+  const position: number[] = [], normal: number[] = [], index: number[] = [];
+  for (let axis = 0; axis < 3; ++axis) {
+    index.push(...[0, 1, 2, 0, 2, 3].map((corner) => corner + 4 * axis));
+    for (const [a, b] of [[0, 0], [1, 0], [1, 1], [0, 1]]) {
+      const corner = [0, 0, 0], out = [0, 0, 0];
+      corner[axis] = out[axis] = 1;
+      corner[(axis + 1) % 3] = a;
+      corner[(axis + 2) % 3] = b;
+      position.push(...corner);
+      normal.push(...out);
     }
-  return { position: new Float32Array(position), normal: new Float32Array(normal) };
+  }
+  return { position: new Float32Array(position), normal: new Float32Array(normal), index };
 }
 
 /** The twelve edges of the unit cube. */
-function cube_edges(): { position: Float32Array; normal: Float32Array } {
+function cube_edges(): Shape {
   const position: number[] = [];
   for (const a of CORNERS)
     for (const b of CORNERS)
       if (a.filter((value, axis) => value !== b[axis]).length === 1 && a < b) position.push(...a, ...b);
-  return { position: new Float32Array(position), normal: new Float32Array(position.length) };
-}
-
-function material(style: BoxStyle, look: BoxLook): ShaderMaterial {
-  return new ShaderMaterial({
-    vertexShader: VERTEX,
-    fragmentShader: FRAGMENT,
-    uniforms: { ...look, strength: { value: style === 'through' ? 0.75 : style === 'edges' ? 0.9 : 1 } } as never,
-    defines: style === 'solid' ? { SHADED: '' } : {},
-    transparent: style === 'through',
-    depthTest: style !== 'through',
-    depthWrite: style !== 'through',
-    side: DoubleSide,
-  });
+  return { position: new Float32Array(position), normal: new Float32Array(position.length), index: null };
 }
 
 export class Boxes {
@@ -135,24 +145,25 @@ export class Boxes {
   private readonly geometry: InstancedBufferGeometry;
 
   /** `ids` are the objects to draw out of `bounds` (per object lo and hi). */
-  constructor(bounds: Float32Array, private readonly ids: Uint32Array, style: BoxStyle, look: BoxLook) {
+  constructor(bounds: Float32Array, private readonly ids: Uint32Array, style: BoxStyle, look: BoxMaterials) {
     const lo = new Float32Array(3 * ids.length), hi = new Float32Array(3 * ids.length);
     ids.forEach((id, index) => {
       lo.set(bounds.subarray(6 * id, 6 * id + 3), 3 * index);
       hi.set(bounds.subarray(6 * id + 3, 6 * id + 6), 3 * index);
     });
-    const shape = style === 'solid' ? cube() : cube_edges();
+    const shape = style === 'solid' ? half_cube() : cube_edges();
     const geometry = new InstancedBufferGeometry();
     geometry.setAttribute('position', new BufferAttribute(shape.position, 3));
     geometry.setAttribute('normal', new BufferAttribute(shape.normal, 3));
+    if (shape.index) geometry.setIndex(shape.index);
     geometry.setAttribute('lo', new InstancedBufferAttribute(lo, 3));
     geometry.setAttribute('hi', new InstancedBufferAttribute(hi, 3));
     this.state = new InstancedBufferAttribute(new Uint8Array(ids.length).fill(UNKNOWN), 1);
     geometry.setAttribute('state', this.state);
     geometry.instanceCount = ids.length;
     this.geometry = geometry;
-    const made = style === 'solid' ? new Mesh(geometry as BufferGeometry, material(style, look))
-                                   : new LineSegments(geometry as BufferGeometry, material(style, look));
+    const made = style === 'solid' ? new Mesh(geometry as BufferGeometry, look.of(style))
+                                   : new LineSegments(geometry as BufferGeometry, look.of(style));
     made.frustumCulled = false;
     made.renderOrder = style === 'through' ? 3 : 0;
     this.object = made;
@@ -167,6 +178,5 @@ export class Boxes {
 
   dispose(): void {
     this.geometry.dispose();
-    ((this.object as Mesh).material as ShaderMaterial).dispose();
   }
 }

@@ -73,9 +73,9 @@ interface RawWalk {
 export const OUTSIDE = 0, HIDDEN = 1, SEEN = 2, EXTRA = 3, LOST = 4, UNKNOWN = 5;
 export const STATES = [SEEN, EXTRA, HIDDEN, OUTSIDE, LOST] as const;
 
-/** What each state is called, in the order of their numbers. */
+/** What each state is called, in the order of their numbers; colours have the same names. */
 export const STATE_NAMES = ['outside', 'hidden', 'seen', 'extra', 'lost', 'unknown'];
-export const STATE_MEANINGS = [
+const STATE_MEANINGS = [
   'outside the view, not drawn',
   'in the view but culled as hidden',
   'drawn and really seen',
@@ -83,6 +83,13 @@ export const STATE_MEANINGS = [
   'seen but not drawn: an error',
   'no state stored',
 ];
+
+/** The words for a state. Without the truth nobody knows whether what was drawn is seen, so the words must not say so. */
+export function state_words(state: number, checked: boolean): { name: string; meaning: string } {
+  if (!checked && state === SEEN) return { name: 'drawn', meaning: 'drawn; not checked whether it is seen' };
+  if (!checked && state === HIDDEN) return { name: 'culled', meaning: 'in the view but culled; not checked' };
+  return { name: STATE_NAMES[state] ?? 'unknown', meaning: STATE_MEANINGS[state] ?? 'no state stored' };
+}
 
 export function decode_bytes(base64: string): Uint8Array {
   const text = atob(base64);
@@ -138,6 +145,11 @@ export class Walk {
     return this.runs[run]?.frames[index];
   }
 
+  /** Whether a frame was compared with the truth. */
+  checked(run: number, index: number): boolean {
+    return typeof this.frame(run, index)?.truth === 'number';
+  }
+
   has_states(run: number): boolean {
     return this.bounds !== null && this.stored[run].some((frame) => frame.state);
   }
@@ -190,6 +202,12 @@ export class Walk {
     return new Float32Array(bytes.buffer);
   }
 
+  /** The cameras of the first method serve a method without states too, since all walk the same way. */
+  private stored_cameras(frames: StoredFrame[]): StoredFrame[] {
+    const first = frames.filter((frame) => frame.method === undefined || frame.method === this.runs[0].method);
+    return first.map((frame) => ({ ...frame, state: null })).sort((a, b) => a.frame - b.frame);
+  }
+
   private stored_of(run: Run, index: number, frames: StoredFrame[]): StoredFrame[] {
     const mine = frames.filter((frame) => (frame.method === undefined ? index === 0 : frame.method === run.method));
     const objects = this.bounds ? this.bounds.length / 6 : 0;
@@ -199,7 +217,8 @@ export class Walk {
       return length === objects;
     });
     if (fitting.length < mine.length)
-      this.complaints.push(`${mine.length - fitting.length} frames were left out: their states do not fit ${objects} objects.`);
+      this.complaints.push(`${mine.length - fitting.length} of the stored frames are left out: their states do not fit ${objects} objects.`);
+    if (fitting.length === 0 && index > 0) return this.stored_cameras(frames);
     return fitting.sort((a, b) => a.frame - b.frame);
   }
 }

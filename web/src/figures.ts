@@ -48,10 +48,13 @@ export function verdict(run: Run): Verdict {
   const what = objects.distinct ? `${count(objects.number)} ${plural(objects.number, 'object')} ${was} lost`
                                 : `Objects were lost ${count(objects.number)} times`;
   if (losing.length === 1)
-    return { outcome: 'lost', sentence: `${what} in frame ${worst.frame}`, detail: `The other ${count(checked.length - 1)} checked frames are clean.`, worst: frames.indexOf(worst) };
+    return {
+      outcome: 'lost', worst: frames.indexOf(worst), sentence: `${what} in frame ${worst.frame}`,
+      detail: checked.length > 1 ? `Nothing was lost in the other ${count(checked.length - 1)}.` : '',
+    };
   return {
     outcome: 'lost',
-    sentence: `${what} in ${count(losing.length)} of ${scope.replace('the ', 'the ')}`,
+    sentence: `${what} in ${count(losing.length)} of ${scope}`,
     detail: `Frame ${worst.frame} is the worst: it lost ${count(worst.missed ?? 0)}.`,
     worst: frames.indexOf(worst),
   };

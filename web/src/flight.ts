@@ -65,9 +65,9 @@ export class Flight {
     const end = corners.reduce((sum, corner) => sum.add(corner), new Vector3()).divideScalar(4);
     const length = Math.max(eye.distanceTo(end), 0.15 * this.place.radius);
     const along = flat(view.direction), aside = new Vector3(-along.z, 0, along.x);
-    const target = eye.clone().lerp(end, 0.4);
-    const position = target.clone().addScaledVector(along, -0.55 * length).addScaledVector(aside, 0.55 * length);
-    position.y += 0.75 * length;
+    const target = eye.clone().lerp(end, 0.45);
+    const position = target.clone().addScaledVector(along, -0.75 * length).addScaledVector(aside, 0.55 * length);
+    position.y += 0.95 * length;
     this.mode = 'free';
     this.fly({ position, target, fov: FOV });
   }
@@ -116,9 +116,9 @@ export class Flight {
     if (!view || !eye) return null;
     const at = vector(this.place.inward(eye)), along = vector(view.direction);
     if (this.mode === 'eye') return { position: at, target: at.clone().addScaledVector(along, 0.1 * this.place.radius), fov: this.fitting_fov(view) };
-    const back = 0.14 * this.place.radius, level = flat(view.direction);
+    const back = 0.2 * this.place.radius, level = flat(view.direction);
     const position = at.clone().addScaledVector(level, -back);
-    position.y += 0.62 * back;
+    position.y += 0.9 * back;
     return { position, target: at.clone().addScaledVector(level, 0.5 * back), fov: FOV };
   }
 
@@ -129,7 +129,7 @@ export class Flight {
   }
 
   private overview(): Pose {
-    const distance = 1.75 * this.place.radius * Math.max(1, 1.2 / this.camera.aspect);
+    const distance = 1.9 * this.place.radius * Math.max(1, 1.2 / this.camera.aspect);
     return { position: new Vector3(0.48, 0.62, 0.72).normalize().multiplyScalar(distance), target: new Vector3(), fov: FOV };
   }
 

@@ -1,7 +1,7 @@
 // Numbers as people read them. A missing number is a dash, never a zero.
 
 const grouped = new Intl.NumberFormat('en-GB');
-const compact = new Intl.NumberFormat('en-GB', { notation: 'compact', maximumFractionDigits: 1 });
+const compact = new Intl.NumberFormat('en-US', { notation: 'compact', maximumFractionDigits: 1 });
 
 type Maybe = number | null | undefined;
 const known = (value: Maybe): value is number => typeof value === 'number' && Number.isFinite(value);

@@ -1,21 +1,19 @@
 // The legend of the object states: what each colour means, how many objects have it in the frame shown, and a switch.
-import { LOST, STATES, STATE_MEANINGS, STATE_NAMES, type Walk } from './data.ts';
+import { EXTRA, LOST, STATES, STATE_NAMES, state_words, type Walk } from './data.ts';
 import { element } from './dom.ts';
 import { count } from './format.ts';
 import type { Store } from './store.ts';
 
 export function legend(walk: Walk, store: Store): HTMLElement {
-  const counts = new Map<number, HTMLElement>();
   const items = STATES.map((state) => {
     const number = element('span', { class: 'number' }, '–');
-    counts.set(state, number);
+    const name = element('span', { class: 'name' }), meaning = element('span', { class: 'meaning' });
     const input = element('input', { type: 'checkbox', 'data-state': state, onchange: () =>
       store.set({ shown: store.get('shown').map((shown, index) => (index === state ? input.checked : shown)) }) });
     store.on(['shown'], () => { input.checked = store.get('shown')[state]; });
-    return element('label', { class: 'state', title: STATE_MEANINGS[state] }, input,
-      element('span', { class: 'swatch', style: `background: var(--${STATE_NAMES[state]})` }),
-      element('span', {}, element('span', { class: 'name' }, STATE_NAMES[state]), ' ', number,
-              element('span', { class: 'meaning' }, STATE_MEANINGS[state])));
+    const root = element('label', { class: 'state' }, input,
+      element('span', { class: 'swatch', style: `background: var(--${STATE_NAMES[state]})` }), element('span', {}, name, ' ', number, meaning));
+    return { state, root, number, name, meaning };
   });
   const lost = element('p', { class: 'lost-list', hidden: true });
   const note = element('p', { class: 'note' });
@@ -24,11 +22,18 @@ export function legend(walk: Walk, store: Store): HTMLElement {
     const states = camera && walk.states(store.get('run'), camera.frame);
     const tally = new Array<number>(6).fill(0);
     if (states) for (const state of states) ++tally[state < 6 ? state : 5];
-    for (const [state, number] of counts) number.textContent = states ? count(tally[state]) : '–';
+    const checked = walk.checked(store.get('run'), store.state_frame);
+    for (const { state, root, number, name, meaning } of items) {
+      const words = state_words(state, checked);
+      name.textContent = words.name;
+      meaning.textContent = words.meaning;
+      number.textContent = states ? count(tally[state]) : '–';
+      root.hidden = !checked && (state === LOST || state === EXTRA) && tally[state] === 0;
+    }
     say_source(note, walk, store, camera?.frame ?? null);
     list_lost(lost, states, tally[LOST], store);
   });
-  return element('div', { class: 'legend' }, element('fieldset', {}, element('legend', {}, 'Objects'), ...items), note, lost);
+  return element('div', { class: 'legend' }, element('fieldset', {}, element('legend', {}, 'Objects'), ...items.map(({ root }) => root)), note, lost);
 }
 
 /** Says whose states are shown when they are not those of the frame of the scrubber. */

@@ -8,20 +8,30 @@ import { LineSegmentsGeometry } from 'three/addons/lines/LineSegmentsGeometry.js
 import type { Vector } from './data.ts';
 import { colour } from './dom.ts';
 
+// Lines come and go with every frame; their materials stay, since compiling a shader stalls the view.
+const materials = new Map<string, Material>();
+
+function lasting<M extends Material>(key: string, make: () => M): M {
+  const known = (materials.get(key) as M | undefined) ?? make();
+  materials.set(key, known);
+  return known;
+}
+
+/** Takes an object out of its scene and frees its geometry. */
 export function free(object: Object3D): void {
-  object.traverse((part) => {
-    const { geometry, material } = part as Partial<Mesh>;
-    geometry?.dispose();
-    (material as Material | undefined)?.dispose();
-  });
+  object.traverse((part) => (part as Partial<Mesh>).geometry?.dispose());
   object.removeFromParent();
 }
 
 function segments(points: number[], name: string, width: number, opacity: number, in_front: boolean): LineSegments2 {
   const geometry = new LineSegmentsGeometry();
   geometry.setPositions(points);
-  const material = new LineMaterial({ linewidth: width, transparent: opacity < 1, opacity, depthTest: !in_front });
-  material.color = new Color(colour(name));
+  const tint = colour(name);
+  const material = lasting(`${tint} ${width} ${opacity} ${in_front}`, () => {
+    const made = new LineMaterial({ linewidth: width, transparent: opacity < 1, opacity, depthTest: !in_front });
+    made.color = new Color(tint);
+    return made;
+  });
   const line = new LineSegments2(geometry, material);
   line.renderOrder = in_front ? 2 : 1;
   line.frustumCulled = false;
@@ -38,25 +48,34 @@ export function path_line(eyes: Vector[]): Object3D {
   return group;
 }
 
-/** The pyramid of a view from its apex and four corners; a bold one also has faintly filled sides. */
-export function pyramid_lines(corners: Vector[], bold: boolean): Object3D {
-  const [eye, a, b, c, d] = corners;
+/** The faces of the pyramid of a view, as lines; a bold one also has faintly filled sides. */
+export function pyramid_lines(faces: Vector[][], bold: boolean): Object3D {
   const group = new Group();
-  const points = [eye, a, eye, b, eye, c, eye, d, a, b, b, c, c, d, d, a].flat();
-  group.add(segments(points, '--view', bold ? 2 : 1.2, bold ? 0.35 : 0.3, true), segments(points, '--view', bold ? 2.2 : 1.2, bold ? 1 : 0.6, false));
+  const points = faces.flatMap((face) => face.flatMap((point, index) => [point, face[(index + 1) % face.length]])).flat();
+  if (points.length === 0) return group;
+  group.add(segments(points, '--view', bold ? 1.6 : 1, bold ? 0.25 : 0.12, true), segments(points, '--view', bold ? 2 : 1, bold ? 1 : 0.4, false));
   if (!bold) return group;
-  const faces = new BufferGeometry();
-  faces.setAttribute('position', new Float32BufferAttribute([eye, a, b, eye, b, c, eye, c, d, eye, d, a].flat(), 3));
-  const sides = new Mesh(faces, new MeshBasicMaterial({ color: colour('--view'), transparent: true, opacity: 0.07, side: DoubleSide, depthWrite: false }));
+  const triangles = faces.flatMap((face) => face.slice(2).flatMap((point, index) => [face[0], face[index + 1], point])).flat();
+  const filled = new BufferGeometry();
+  filled.setAttribute('position', new Float32BufferAttribute(triangles, 3));
+  const sides = new Mesh(filled, lasting(`sides ${colour('--view')}`, () =>
+    new MeshBasicMaterial({ color: colour('--view'), transparent: true, opacity: 0.06, side: DoubleSide, depthWrite: false })));
   sides.renderOrder = 1;
   sides.frustumCulled = false;
   group.add(sides);
   return group;
 }
 
-export function eye_ball(radius: number): Mesh {
-  const ball = new Mesh(new SphereGeometry(radius, 20, 12), new MeshBasicMaterial({ color: colour('--view'), depthTest: false, transparent: true }));
+/** A ball that keeps its size on the screen. */
+export function eye_ball(): Mesh {
+  const ball = new Mesh(new SphereGeometry(1, 20, 12), lasting(`ball ${colour('--view')}`, () =>
+    new MeshBasicMaterial({ color: colour('--view'), depthTest: false, transparent: true })));
   ball.renderOrder = 4;
+  ball.onBeforeRender = (_, __, camera) => {
+    ball.scale.setScalar(0.007 * camera.position.distanceTo(ball.position));
+    ball.updateMatrixWorld();
+    ball.modelViewMatrix.multiplyMatrices(camera.matrixWorldInverse, ball.matrixWorld);
+  };
   return ball;
 }
 

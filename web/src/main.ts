@@ -31,6 +31,10 @@ function build(page: HTMLElement): void {
   const worst = walk.runs[0].frames.findIndex((frame) => (frame.missed ?? 0) > 0);
   store.set({ frame: worst >= 0 ? worst : Math.floor(walk.frame_count / 3) });
   read_address(walk, store);
+  store.on(['run'], () => {
+    document.documentElement.toggleAttribute('data-unchecked', !walk.runs[store.get('run')].frames.some((frame) => typeof frame.truth === 'number'));
+    store.set({ theme: store.get('theme') + 1 });
+  });
   page.append(head(walk, store));
   if (walk.frame_count === 0) return;
   page.append(space(walk, store), plots(walk, store), pictures(walk, store), frame_table(walk, store), foot(), transport(walk, store));

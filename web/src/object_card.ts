@@ -1,6 +1,6 @@
 // What happened to one object: its state in every stored frame, as a strip. Choosing a place in the strip moves the
 // scrubber. Objects are selected by a double click in either view.
-import { STATE_NAMES, UNKNOWN, type Walk } from './data.ts';
+import { STATE_NAMES, state_words, UNKNOWN, type Walk } from './data.ts';
 import { colour, element } from './dom.ts';
 import { significant } from './format.ts';
 import type { Placement } from './placement.ts';
@@ -21,7 +21,7 @@ export function object_card(walk: Walk, place: Placement, store: Store): HTMLEle
     if (id === null) return;
     history = Uint8Array.from(stored(), (frame) => walk.states(store.get('run'), frame.frame)?.[id] ?? UNKNOWN);
     title.textContent = `Object ${id}`;
-    said.textContent = `${place.size(id).map((length) => significant(length)).join(' × ')} m. ${tally(history)}`;
+    said.textContent = `${place.size(id).map((length) => significant(length)).join(' × ')} m. ${tally(history, walk.checked(store.get('run'), store.state_frame))}`;
     draw();
   });
   store.on(['frame', 'theme'], () => { if (!root.hidden) draw(); });
@@ -33,8 +33,8 @@ export function object_card(walk: Walk, place: Placement, store: Store): HTMLEle
   return root;
 }
 
-function tally(history: Uint8Array): string {
-  const counts = STATE_NAMES.map((name, state) => ({ name, number: history.reduce((sum, value) => sum + Number(value === state), 0) }));
+function tally(history: Uint8Array, checked: boolean): string {
+  const counts = STATE_NAMES.map((_, state) => ({ name: state_words(state, checked).name, number: history.reduce((sum, value) => sum + Number(value === state), 0) }));
   const said = counts.filter(({ number }) => number > 0).sort((a, b) => b.number - a.number).map(({ name, number }) => `${name} in ${number}`);
   return said.length ? `Of ${history.length} stored frames: ${said.join(', ')}.` : 'No states are stored.';
 }
@@ -44,12 +44,14 @@ function draw_history(canvas: HTMLCanvasElement, history: Uint8Array, current: n
   if (!context || width === 0) return;
   canvas.width = Math.round(width * ratio);
   canvas.height = Math.round(height * ratio);
-  context.scale(canvas.width / Math.max(1, history.length), ratio);
+  const x = (index: number) => Math.round((index * canvas.width) / Math.max(1, history.length));
+  const fill = (index: number, top: number, bottom: number) =>
+    context.fillRect(x(index), top * ratio, Math.max(1, x(index + 1) - x(index)), (bottom - top) * ratio);
   const tints = STATE_NAMES.map((name) => colour(`--${name}`));
   history.forEach((state, index) => {
     context.fillStyle = tints[state] ?? tints[UNKNOWN];
-    context.fillRect(index, 0, 1.02, height - 5);
+    fill(index, 0, height - 5);
   });
   context.fillStyle = colour('--ink');
-  if (current >= 0) context.fillRect(current, height - 4, 1, 4);
+  if (current >= 0) fill(current, height - 4, height);
 }

@@ -24,7 +24,7 @@ export function pictures(walk: Walk, store: Store): HTMLElement {
     items = walk.pictures.filter((picture) => picture.kind === kind).sort((a, b) => a.frame - b.frame).map((picture) => {
       const caption = `frame ${name(picture.frame)}`;
       return { frame: picture.frame, item: element('button', { type: 'button', class: 'thumb', onclick: () => large.open(picture) },
-        element('img', { src: source(picture), alt: `${kind_name(kind)}, ${caption}`, loading: 'lazy' }), element('span', {}, caption)) };
+        element('img', { src: source(picture), alt: `${kind_name(kind)}, ${caption}`, decoding: 'async', style: walk.size && `aspect-ratio: ${walk.size[0]} / ${walk.size[1]}` }), element('span', {}, caption)) };
     });
     strip.replaceChildren(...items.map(({ item }) => item));
     mark();

@@ -57,6 +57,15 @@ export class Placement {
     return [eye, corner(-1, -1), corner(1, -1), corner(1, 1), corner(-1, 1)];
   }
 
+  /** The faces of that pyramid, cut to the height of the framed world so that they show where the view runs in it. */
+  pyramid_faces(camera: Camera): Vector[][] {
+    const [eye, a, b, c, d] = this.pyramid(camera);
+    const slack = 0.02 * this.radius;
+    const bottom = Math.min(this.frame.lo[1], eye[1] - slack), top = Math.max(this.frame.hi[1], eye[1]) + slack;
+    const faces = [[eye, a, b], [eye, b, c], [eye, c, d], [eye, d, a], [a, b, c, d]];
+    return faces.map((face) => below(mirrored(below(mirrored(face), -bottom)), top)).filter((face) => face.length > 2);
+  }
+
   /** How far the framed world goes on from an eye along a direction, at least a tenth of its radius. */
   private reach(eye: Vector, direction: Vector): number {
     let far = 0.1 * this.radius;
@@ -103,6 +112,19 @@ export class Placement {
     return heights[heights.length - 1] + 0.4 * gaps[gaps.length >> 1];
   }
 }
+
+/** The part of a polygon below a height (Sutherland and Hodgman 1974, for one plane). */
+function below(polygon: Vector[], height: number): Vector[] {
+  return polygon.flatMap((from, index) => {
+    const to = polygon[(index + 1) % polygon.length];
+    const kept = from[1] <= height ? [from] : [];
+    if (from[1] <= height === to[1] <= height) return kept;
+    const part = (height - from[1]) / (to[1] - from[1]);
+    return [...kept, [from[0] + part * (to[0] - from[0]), height, from[2] + part * (to[2] - from[2])] as Vector];
+  });
+}
+
+const mirrored = (polygon: Vector[]) => polygon.map((point): Vector => [point[0], -point[1], point[2]]);
 
 function sample<T>(all: T[], most: number): T[] {
   if (all.length <= most) return all;

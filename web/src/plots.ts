@@ -3,6 +3,7 @@
 import uPlot from 'uplot';
 import type { Walk, WalkFrame } from './data.ts';
 import { choice, colour, element } from './dom.ts';
+import { median } from './figures.ts';
 import { count, short_count, significant } from './format.ts';
 import type { Store } from './store.ts';
 
@@ -19,6 +20,7 @@ interface PlotKind {
 }
 
 const HEIGHT = 190, TALL = 250;
+const WIDE_SPREAD = 15;  // of the largest to the typical small count, from which on a linear scale would squash the small
 
 const PLOTS: PlotKind[] = [
   {
@@ -28,16 +30,24 @@ const PLOTS: PlotKind[] = [
   {
     title: 'Cull time', unit: 'ms', format: (value) => (value === null ? '–' : `${significant(value)} ms`), logarithmic: false,
     absent: 'Cull times were not measured.',
-    curves: (walk) => walk.runs.map((run, index) => own(run.method, index, walk, '--time', (frame) => frame.cull_ms)),
+    curves: (walk) => walk.runs.map((run, index) => own(run.method, 'cull', index, walk, '--time', (frame) => frame.cull_ms)),
   },
   {
     title: 'Triangles submitted', unit: '', format: (value) => short_count(value), logarithmic: false, absent: 'Submitted triangles were not counted.',
-    curves: (walk) => walk.runs.map((run, index) => own(run.method, index, walk, '--triangles', (frame) => frame.triangles_submitted)),
+    curves: (walk) => walk.runs.map((run, index) => own(run.method, 'submitted', index, walk, '--triangles', (frame) => frame.triangles_submitted)),
   },
 ];
 
-function own(label: string, run: number, walk: Walk, single: string, read: Read): Curve {
-  return { label: walk.runs.length > 1 ? label : 'per frame', colour: walk.runs.length > 1 ? `--run-${run % 6}` : single, read, run };
+/** The curve of one method: named and coloured by the method where there are several, else by what it tells. */
+function own(method: string, what: string, run: number, walk: Walk, single: string, read: Read): Curve {
+  return walk.runs.length > 1 ? { label: method, colour: `--run-${run % 6}`, read, run } : { label: what, colour: single, read, run };
+}
+
+/** How many times the most in a frustum exceeds what is seen, or else drawn, in a typical frame. */
+function spread(walk: Walk): number {
+  const most = walk.runs[0].frames.reduce((value, frame) => Math.max(value, frame.frustum ?? 0), 0);
+  const small = median(walk.runs[0].frames.map((frame) => frame.truth ?? frame.visible)) ?? most;
+  return most / Math.max(1, small);
 }
 
 /** Frustum and truth are the same for every method; what is drawn and lost is its own. */
@@ -47,12 +57,12 @@ function count_curves(walk: Walk): Curve[] {
     label: several ? `drawn, ${run.method}` : 'drawn', colour: several ? `--run-${index % 6}` : '--drawn', read: (frame) => frame.visible, run: index, width: 2,
   }));
   const lost = walk.runs.map((run, index): Curve => ({
-    label: several ? `lost, ${run.method}` : 'lost', colour: '--lost', read: (frame) => frame.missed, run: index, points: true, width: 1.4,
+    label: several ? `lost, ${run.method}` : 'lost', colour: '--lost', read: (frame) => frame.missed || null, run: index, points: true, width: 1.4,
   }));
   return [
     { label: 'in frustum', colour: '--frustum', read: (frame) => frame.frustum, run: 0 }, ...drawn,
     { label: 'truly seen', colour: '--truth', read: (frame) => frame.truth, run: 0, dash: [5, 3], width: 1.6 },
-    ...lost.filter((curve) => walk.runs[curve.run].frames.some((frame) => frame.missed)),
+    ...lost,
   ];
 }
 
@@ -69,12 +79,13 @@ class Plot {
   private readonly body = element('div', { class: 'plot-body' });
   private readonly playhead = element('div', { class: 'playhead', 'aria-hidden': 'true' });
   private plot: uPlot | null = null;
-  private logarithmic = false;
+  private logarithmic: boolean;
 
   constructor(private readonly walk: Walk, private readonly store: Store, private readonly kind: PlotKind, private readonly wide: boolean) {
     const bar = element('div', { class: 'bar' }, element('h3', {}, kind.unit ? `${kind.title}, ${kind.unit}` : kind.title));
+    this.logarithmic = kind.logarithmic && spread(walk) > WIDE_SPREAD;
     if (kind.logarithmic)
-      bar.append(choice('Scale', [{ value: 'linear', text: 'linear' }, { value: 'log', text: 'log' }], 'linear', (value) => {
+      bar.append(choice('Scale', [{ value: 'linear', text: 'linear' }, { value: 'log', text: 'log' }], this.logarithmic ? 'log' : 'linear', (value) => {
         this.logarithmic = value === 'log';
         this.build();
       }).root);
@@ -108,7 +119,6 @@ class Plot {
     this.plot = new uPlot(this.options(curves), data as uPlot.AlignedData, this.body);
     this.plot.over.append(this.playhead);
     this.listen(this.plot.over);
-    this.move_playhead();
   }
 
   private options(curves: Curve[]): uPlot.Options {
@@ -120,10 +130,11 @@ class Plot {
       ...this.size(),
       padding: [10, 12, 0, 0],
       cursor: { sync: { key: 'sightline' }, drag: { x: false, y: false }, points: { size: 7 } },
-      legend: { live: true },
+      legend: { live: true, markers: { width: 0, fill: (_, index) => (index ? colour(curves[index - 1].colour) : 'transparent') } },
+      hooks: { ready: [() => this.move_playhead()], setSize: [() => this.move_playhead()] },
       scales: {
         x: { time: false, range: (_, low, high) => (low === high ? [low - 0.5, high + 0.5] : [low, high]) },
-        y: this.logarithmic ? { distr: 4, asinh: 1 } : { range: (_, __, high) => [0, high > 0 ? high * 1.06 : 1] },
+        y: this.logarithmic ? { distr: 4, asinh: 1, range: (_, __, high) => [0, high > 0 ? high * 1.3 : 1] } : { range: (_, __, high) => [0, high > 0 ? high * 1.06 : 1] },
       },
       axes: [
         { ...axis, size: 32, values: (_, marks) => marks.map((mark) => (Number.isInteger(mark) ? String(name(mark)) : '')) },

@@ -1,8 +1,8 @@
 // The 3-D panel: every object as a box in the colour of its state, the way of the eye, the view of the frame; cameras to
 // fly with and the freeze that lets one look at a culled view from outside. Draws only when something changed.
 import { Raycaster, Scene, Vector2, WebGLRenderer, Color, type Object3D } from 'three';
-import { Boxes, box_look, paint_look } from './boxes.ts';
-import { LOST, STATE_NAMES, type Camera, type Vector, type Walk } from './data.ts';
+import { BoxMaterials, Boxes } from './boxes.ts';
+import { LOST, STATE_NAMES, UNKNOWN, type Camera, type Vector, type Walk } from './data.ts';
 import { choice, colour, element } from './dom.ts';
 import { Flight, type Mode } from './flight.ts';
 import { significant } from './format.ts';
@@ -27,7 +27,8 @@ export function space_view(walk: Walk, place: Placement, store: Store): HTMLElem
 class SpaceView {
   readonly root: HTMLElement;
   private readonly scene = new Scene();
-  private readonly look = box_look();
+  private readonly look = new BoxMaterials();
+  private readonly outline_look = new BoxMaterials();
   private readonly flight: Flight;
   private readonly boxes: Boxes[];
   private readonly image_edge = element('div', { class: 'image-edge', hidden: true, 'aria-hidden': 'true' });
@@ -150,8 +151,8 @@ class SpaceView {
   }
 
   private paint(): void {
-    paint_look(this.look);
-    this.look.haze_distance.value = 7 * this.place.radius;
+    this.look.paint();
+    this.outline_look.paint('--ink');
     this.scene.background = new Color(colour('--space'));
     for (const line of this.lines) free(line);
     const grid = ground(this.place.radius, this.place.frame.lo[1]);
@@ -188,11 +189,11 @@ class SpaceView {
     const through_eye = this.flight.mode === 'eye';
     const bold = this.frozen_or_current(), now = this.current();
     const add = (line: Object3D) => { this.view_lines.push(line); this.scene.add(line); };
-    if (bold && Number.isFinite(bold.fov_y) && !(through_eye && this.store.get('frozen') === null)) add(pyramid_lines(this.place.pyramid(bold), true));
-    if (now && this.store.get('frozen') !== null && !through_eye) add(pyramid_lines(this.place.pyramid(now), false));
+    if (bold && Number.isFinite(bold.fov_y) && !(through_eye && this.store.get('frozen') === null)) add(pyramid_lines(this.place.pyramid_faces(bold), true));
+    if (now && this.store.get('frozen') !== null && !through_eye) add(pyramid_lines(this.place.pyramid_faces(now), false));
     const eye = this.walk.frame(this.store.get('run'), this.store.get('frame'))?.eye;
     if (eye && !through_eye) {
-      const ball = eye_ball(0.008 * this.place.radius);
+      const ball = eye_ball();
       ball.position.set(...this.place.inward(eye));
       add(ball);
     }
@@ -202,18 +203,17 @@ class SpaceView {
     if (this.outlined) { this.outlined.object.removeFromParent(); this.outlined.dispose(); this.outlined = null; }
     const id = this.store.get('selected');
     if (id === null) return;
-    const look = box_look();
-    look.palette.value.forEach((tint) => tint.setStyle(colour('--ink')));
-    look.haze_distance.value = 1e9;
-    this.outlined = new Boxes(this.place.local, Uint32Array.of(id), 'through', look);
+    this.outlined = new Boxes(this.place.local, Uint32Array.of(id), 'through', this.outline_look);
     this.scene.add(this.outlined.object);
     this.wake();
   }
 
-  /** Through the eye there is no cut: the picture must be the one of the walk. */
+  /** Through the eye there is no cut: the picture must be the one of the walk. Haze there tells near from far. */
   private place_cut(): void {
-    const cut = this.store.get('cut');
-    this.look.cut.value = this.flight.mode === 'eye' || !Number.isFinite(cut) ? 1e9 : cut - this.place.centre[1];
+    const cut = this.store.get('cut'), through_eye = this.flight.mode === 'eye';
+    this.look.cut.value = through_eye || !Number.isFinite(cut) ? 1e9 : cut - this.place.centre[1];
+    this.look.haze_distance.value = (through_eye ? 0.5 : 7) * this.place.radius;
+    this.look.haze_share.value = through_eye ? 0.85 : 0.6;
   }
 
   /** Where the picture of the walk ends, when looking through its eye. */
@@ -246,7 +246,8 @@ class SpaceView {
     if (event.buttons !== 0) return this.tooltip.hide();
     const id = this.object_under(event);
     if (id < 0) return this.tooltip.hide();
-    this.tooltip.show(event, describe_object(id, this.place, this.states()), STATE_NAMES[this.states()?.[id] ?? 5]);
+    const states = this.states(), checked = this.walk.checked(this.store.get('run'), this.store.state_frame);
+    this.tooltip.show(event, describe_object(id, this.place, states, checked), STATE_NAMES[states?.[id] ?? UNKNOWN]);
   }
 
   private resize(): void {

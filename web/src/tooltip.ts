@@ -1,5 +1,5 @@
 // The small label beside the pointer that names an object.
-import { STATE_MEANINGS, STATE_NAMES, UNKNOWN } from './data.ts';
+import { state_words, UNKNOWN } from './data.ts';
 import { element } from './dom.ts';
 import { significant } from './format.ts';
 import type { Placement } from './placement.ts';
@@ -26,8 +26,8 @@ export class Tooltip {
   }
 }
 
-export function describe_object(id: number, place: Placement, states: Uint8Array | null): string {
+export function describe_object(id: number, place: Placement, states: Uint8Array | null, checked: boolean): string {
   const size = place.size(id).map((length) => significant(length)).join(' × ');
-  const state = states ? states[id] : UNKNOWN;
-  return `Object ${id} · ${STATE_NAMES[state]}: ${STATE_MEANINGS[state]} · ${size} m`;
+  const { name, meaning } = state_words(states ? states[id] : UNKNOWN, checked);
+  return `Object ${id} · ${name}: ${meaning} · ${size} m`;
 }

@@ -228,7 +228,7 @@ class TopView {
   private hover(event: PointerEvent): void {
     const id = this.object_under(event), states = this.states();
     if (id < 0) return this.tooltip.hide();
-    this.tooltip.show(event, describe_object(id, this.place, states), STATE_NAMES[states ? Math.min(states[id], UNKNOWN) : UNKNOWN]);
+    this.tooltip.show(event, describe_object(id, this.place, states, this.walk.checked(this.store.get('run'), this.store.state_frame)), STATE_NAMES[states ? Math.min(states[id], UNKNOWN) : UNKNOWN]);
   }
 }
 

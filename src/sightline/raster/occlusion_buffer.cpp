@@ -15,14 +15,17 @@ using raster::Kernels;
 using raster::Margins;
 using raster::ScreenTransform;
 
-constexpr double base_margin = 1.0 / 64;   // pixels: rounding of projected corners and edge functions
-constexpr double base_nearness = 0x1p-16;  // relative: rounding of nearness
-constexpr double guard = 8192;             // pixels from the image's centre within which floats keep base_margin
+constexpr double base_margin = 1.0 / 64;  // pixels: rounding of projected corners and edge functions
+constexpr double base_share = 0x1p-16;    // relative: rounding of nearness in perspective
+constexpr double base_spread = 0x1p-20;   // of the distance from the eye: rounding of nearness in orthographic views
+constexpr double float_guard = 8192;      // pixels from the image's centre within which floats keep base_margin
+constexpr double float_slope = 32;        // and how far sideways, per unit of distance
 
 /// Where a box lies: distances along the view direction, and its projection in pixels if all of it lies before the eye.
 struct Footprint {
   double nearest, farthest;
   double x0, y0, x1, y1;
+  double spread;  // of its corners from the eye
 };
 
 }  // namespace
@@ -38,7 +41,7 @@ struct OcclusionBuffer::State {
   bool perspective = true;
 
   [[nodiscard]] Footprint footprint(const Aabb& box) const {
-    Footprint f{1e300, -1e300, 1e300, 1e300, -1e300, -1e300};
+    Footprint f{1e300, -1e300, 1e300, 1e300, -1e300, -1e300, 0};
     for (int i = 0; i < 8; ++i) {
       const glm::dvec3 d = glm::dvec3(box.corner(i)) - eye;
       const double w = glm::dot(to_w, d);
@@ -50,13 +53,28 @@ struct OcclusionBuffer::State {
       f.x1 = std::max(f.x1, x);
       f.y0 = std::min(f.y0, y);
       f.y1 = std::max(f.y1, y);
+      f.spread = std::max(f.spread, glm::dot(d, d));
     }
+    f.spread = std::sqrt(f.spread);
     return f;
   }
 
+  /// True if float loops keep base_margin and base_share for all of a box.
   [[nodiscard]] bool within_guard(const Footprint& f) const {
+    const double guard = perspective ? std::min(float_guard, float_slope * pixels_per_unit) : float_guard;
     return f.nearest > near && f.x0 > centre_x - guard && f.x1 < centre_x + guard && f.y0 > centre_y - guard &&
            f.y1 < centre_y + guard;
+  }
+
+  [[nodiscard]] Margins margins(const Footprint& f, const Aabb& bounds, const Affine& transform) const {
+    // The truth has its vertices rounded to float in world space; an identity transform rounds nothing.
+    const double rounding = transform == identity_affine() ? 0.0 : reach(bounds) * 0x1p-22;
+    if (!perspective)
+      return {static_cast<float>(base_margin + rounding * pixels_per_unit), 0.0f,
+              static_cast<float>(base_spread * f.spread + rounding)};
+    const double nearest = std::max(f.nearest, near);
+    return {static_cast<float>(base_margin + rounding * pixels_per_unit / nearest),
+            static_cast<float>(base_share + rounding / nearest), 0.0f};
   }
 
   [[nodiscard]] bool outside_image(const Footprint& f) const {
@@ -106,12 +124,7 @@ void OcclusionBuffer::add_occluder(const OccluderMesh& mesh, const Affine& trans
   ++s.counts.occluders;
   s.counts.occluder_triangles += mesh.triangle_count;
 
-  // The truth has its vertices rounded to float in world space; an identity transform rounds nothing.
-  const double rounding = transform == identity_affine() ? 0.0 : reach(bounds) * 0x1p-22;
-  const double nearest = std::max(f.nearest, s.perspective ? s.near : 1.0);
-  const Margins margins{
-      static_cast<float>(base_margin + rounding * s.pixels_per_unit / (s.perspective ? nearest : 1.0)),
-      static_cast<float>(base_nearness + rounding / nearest)};
+  const Margins margins = s.margins(f, bounds, transform);
   const glm::dmat3 rows = glm::transpose(glm::dmat3(s.to_x, s.to_y, s.to_w)) * linear;
   const glm::dvec3 eye = glm::inverse(linear) * (s.eye - glm::dvec3(to_world[3]));
   const bool mirrored = volume < 0;
@@ -130,6 +143,7 @@ void OcclusionBuffer::add_occluder(const OccluderMesh& mesh, const Affine& trans
     t.perspective = s.perspective;
     s.kernels->draw_mesh(mesh, t, mirrored, margins, s.tiles, s.scratch, filled);
   } else {
+    const double guard = std::max<double>(float_guard, std::max(s.tiles.width, s.tiles.height));
     const raster::ClipTransform t{eye, rows, {s.centre_x, s.centre_y}, s.near, guard, s.perspective};
     raster::draw_clipped(mesh, t, mirrored, margins, *s.kernels, s.tiles, filled);
   }

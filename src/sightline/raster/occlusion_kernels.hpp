@@ -47,10 +47,10 @@ struct ScreenPoint {
   float x, y, near;
 };
 
-/// How far things are moved to the safe side: pixels for coverage, and a factor for nearness.
+/// How far things are moved to the safe side: pixels for coverage; nearness by a share of itself and by a constant.
 struct Margins {
   float pixels;
-  float nearness;
+  float nearness_share, nearness;
 };
 
 struct FillCounts {

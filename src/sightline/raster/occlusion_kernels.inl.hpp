@@ -69,12 +69,19 @@ HWY_INLINE Edge make_edge(float x0, float y0, float x1, float y1, float sign, fl
 }
 HWY_INLINE float at(const Edge& e, float x, float y) { return e.a * (x - e.x0) + e.b * (y - e.y0); }
 
+/// A centre this little outside of a triangle (by its edges, scaled as above, and by its box, pixels) still counts as
+/// covered, so that rounding opens no seam between two triangles. Safe because it is less than the margin by which
+/// contour edges are widened; the box cuts off what the widened edges of a sliver would claim beyond its tips.
+inline constexpr float edge_slack = 0.01f;
+inline constexpr float box_slack = 0.004f;
+
 /// What a triangle needs in the tile loop.
 struct Setup {
   Edge edges[3];
-  float gradient_x, gradient_y;  // nearness per pixel
-  float x0, y0, base;            // nearness at (x0, y0), lowered to the least over a pixel square
-  float least;                   // nearness of the farthest corner, lowered
+  float gradient_x, gradient_y;        // nearness per pixel
+  float x0, y0, base;                  // nearness at (x0, y0), lowered to the least over a pixel square
+  float least;                         // nearness of the farthest corner, lowered
+  float low_x, low_y, high_x, high_y;  // box of the corners
 };
 
 /// False for a triangle without area.
@@ -89,12 +96,16 @@ HWY_INLINE bool make_setup(const ScreenPoint* p, const Margins& margins, Setup& 
     if (!(std::abs(s.edges[i].a) + std::abs(s.edges[i].b) < 1e30f)) return false;  // two corners coincide
   }
   const float lowest = std::min(std::min(p[0].near, p[1].near), p[2].near);
-  s.least = lowest - std::abs(lowest) * margins.nearness;
+  s.least = lowest - (std::abs(lowest) * margins.nearness_share + margins.nearness);
   const float du = p[1].near - p[0].near, dv = p[2].near - p[0].near;
   const float longest = std::max(std::max(std::abs(ux) + std::abs(uy), std::abs(vx) + std::abs(vy)),
                                  std::abs(vx - ux) + std::abs(vy - uy));
   s.x0 = p[0].x;
   s.y0 = p[0].y;
+  s.low_x = std::min(std::min(p[0].x, p[1].x), p[2].x);
+  s.low_y = std::min(std::min(p[0].y, p[1].y), p[2].y);
+  s.high_x = std::max(std::max(p[0].x, p[1].x), p[2].x);
+  s.high_y = std::max(std::max(p[0].y, p[1].y), p[2].y);
   if (std::abs(area) < 0.25f * longest) {  // a sliver: its gradient is noise, so take its farthest corner for all of it
     s.gradient_x = s.gradient_y = 0.0f;
     s.base = s.least;
@@ -104,7 +115,7 @@ HWY_INLINE bool make_setup(const ScreenPoint* p, const Margins& margins, Setup& 
   s.gradient_y = (dv * ux - du * vx) / area;
   const float reach = (std::abs(s.gradient_x) + std::abs(s.gradient_y)) * (0.5f + margins.pixels);
   const float highest = std::max(std::max(std::abs(p[0].near), std::abs(p[1].near)), std::abs(p[2].near));
-  s.base = p[0].near - reach - highest * margins.nearness;
+  s.base = p[0].near - reach - (highest * margins.nearness_share + margins.nearness);
   return true;
 }
 
@@ -129,14 +140,20 @@ HWY_INLINE void fill_tile(const Setup& s, std::size_t tile, float x, float y, Ti
     float* hidden = tiles.hidden.data() + tile * tile_pixels + l;
     const auto old = hn::LoadU(d, hidden);
     hn::StoreU(hn::IfThenElse(whole, hn::Max(old, near), old), d, hidden);
-    const auto shared = hn::AndNot(whole, touches);
+    const auto in_box = [&](float slack) {
+      const auto px = hn::Add(hn::Set(d, x), lx), py = hn::Add(hn::Set(d, y), ly);
+      return hn::And(hn::And(hn::Ge(px, hn::Set(d, s.low_x - slack)), hn::Le(px, hn::Set(d, s.high_x + slack))),
+                     hn::And(hn::Ge(py, hn::Set(d, s.low_y - slack)), hn::Le(py, hn::Set(d, s.high_y + slack))));
+    };
+    const auto shared = hn::And(hn::AndNot(whole, touches), in_box(0.5f + box_slack));
     const std::uint32_t shared_bits = bits_of(d, shared);
     if (shared_bits == 0) continue;
     float* layer = tiles.layer.data() + tile * tile_pixels + l;
     const auto gathered = hn::LoadU(d, layer);
     hn::StoreU(hn::IfThenElse(shared, hn::Min(gathered, near), gathered), d, layer);
     partial |= shared_bits << l;
-    covered |= bits_of(d, hn::And(shared, hn::Ge(inside, hn::Zero(d)))) << l;
+    const auto centre = hn::And(hn::Ge(inside, hn::Set(d, -edge_slack)), in_box(box_slack));
+    covered |= bits_of(d, hn::And(shared, centre)) << l;
   }
   if (partial == 0) return;
   tiles.covered[tile] = static_cast<std::uint16_t>(tiles.covered[tile] | covered);

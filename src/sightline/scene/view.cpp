@@ -43,7 +43,7 @@ View look_along(const glm::dvec3& eye, const glm::dvec3& direction, const glm::d
     right = glm::cross(std::abs(back.x) < 0.5 ? glm::dvec3(1, 0, 0) : glm::dvec3(0, 0, 1), back);
   right = glm::normalize(right);
   View view;
-  view.eye = eye;
+  view.eye = glm::dvec3(glm::vec3(eye));
   view.orientation = glm::normalize(glm::quat_cast(glm::dmat3(right, glm::cross(back, right), back)));
   return view;
 }

@@ -13,7 +13,7 @@ namespace sightline {
 enum class Projection { perspective, orthographic };
 
 struct View {
-  glm::dvec3 eye{0.0};                         // world space, metres
+  glm::dvec3 eye{0.0};                         // world space, metres; best a float, as the oracle's rays start at one
   glm::dquat orientation{1.0, 0.0, 0.0, 0.0};  // unit; turns view space into world space
   Projection projection = Projection::perspective;
   double fov_y = 1.0471975511965976;  // perspective: full vertical angle, radians, in (0, pi)
@@ -26,8 +26,8 @@ struct View {
 /// Throws InputError with the reason if a field is not finite or out of its range.
 void check_view(const View& view);
 
-/// View at `eye` that looks along `direction` (any length > 0); `up` need not be perpendicular. Other fields stay
-/// default.
+/// View at `eye`, rounded to float as all geometry is, that looks along `direction` (any length > 0); `up` need not be
+/// perpendicular. Other fields stay default.
 View look_along(const glm::dvec3& eye, const glm::dvec3& direction, const glm::dvec3& up = {0.0, 1.0, 0.0});
 
 glm::dvec3 view_direction(const View& view);

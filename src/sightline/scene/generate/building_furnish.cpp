@@ -51,7 +51,8 @@ class Room {
   void office() {
     for (const double u : {1.3, 3.7}) {
       put(parts_.desk, u, 5.2, 0.5);
-      put(parts_.chair, u + random_.range(-0.2, 0.2), 4.5, random_.range(-0.1, 0.1));
+      const double shift = random_.range(-0.2, 0.2), turns = random_.range(-0.1, 0.1);
+      put(parts_.chair, u + shift, 4.5, turns);
       put(parts_.things[0], u, 5.2, 0.5, parts_.desk.surface);
     }
     storage(4);
@@ -102,7 +103,8 @@ class Room {
       const double turns = random_.uniform();
       if (pieces_.empty() || random_.chance(0.1)) {
         const double v = keep_clear_ ? random_.range(3.5, 5.7) : random_.range(1.4, 5.7);
-        put(random_.chance(0.2) ? parts_.plant : thing, random_.range(0.3, 4.7), v, turns);
+        const double u = random_.range(0.3, 4.7);
+        put(random_.chance(0.2) ? parts_.plant : thing, u, v, turns);
         continue;
       }
       const Placed& piece = pieces_[random_.below(static_cast<std::uint32_t>(pieces_.size()))];

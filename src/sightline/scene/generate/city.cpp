@@ -27,6 +27,31 @@ struct FlatRoof {
   bool pitched;
 };
 
+// Places along a block's outline, `pitch` apart, whose ends stay free; visited in an order that spreads them.
+struct Slots {
+  Slots(double slot_pitch, double free_corner)
+      : pitch(slot_pitch),
+        corner(free_corner),
+        per_x(static_cast<std::uint32_t>((block_x - 2 * corner) / pitch)),
+        per_z(static_cast<std::uint32_t>((block_z - 2 * corner) / pitch)),
+        count(2 * (per_x + per_z)) {}
+
+  // Metres along the outline of slot number i in 0 .. count - 1.
+  [[nodiscard]] double position(std::uint32_t i) const {
+    std::uint32_t slot = i * 31 % count;  // 31 shares no factor with the counts that the constants above give
+    double start = corner;
+    for (const bool along_x : {true, false, true, false}) {
+      const std::uint32_t here = along_x ? per_x : per_z;
+      if (slot < here) return start + pitch * (slot + 0.5);
+      slot -= here;
+      start += along_x ? block_x : block_z;
+    }
+    return start;
+  }
+  double pitch, corner;
+  std::uint32_t per_x, per_z, count;
+};
+
 class BlockBuilder {
  public:
   BlockBuilder(Layout& layout, const CityParts& parts, const Plot& plot, std::uint64_t seed)
@@ -56,8 +81,8 @@ class BlockBuilder {
   void house(double x, double z, double size_x, double size_z, bool ridge_along_x) {
     if (!more()) return;
     const bool pitched = random_.chance(0.8 - plot_.centrality);
-    const double height =
-        pitched ? random_.range(8, 13) : random_.range(11, 18) + 14 * plot_.centrality * random_.uniform();
+    const double low = pitched ? random_.range(8, 13) : random_.range(11, 18);
+    const double height = low + (pitched ? 0.0 : 14 * plot_.centrality * random_.uniform());
     const bool turned = pitched && !ridge_along_x;
     const glm::dvec3 scale = turned ? glm::dvec3(size_z, height, size_x) : glm::dvec3(size_x, height, size_z);
     layout_.place(any(pitched ? parts_.houses : parts_.blocks), place_at(at(x, z, 0.05), turned ? 0.25 : 0.0, scale));
@@ -97,7 +122,8 @@ class BlockBuilder {
     for (std::uint32_t i = 0; i < count && more(); ++i) {
       const double x = walk + pitch_x * (i % columns + 0.5), z = walk + pitch_z * (i / columns + 0.5);
       const double size_x = pitch_x * random_.range(0.6, 0.95), size_z = pitch_z * random_.range(0.7, 0.95);
-      const double height = random_.range(35, 60) + 90 * plot_.centrality * random_.uniform();
+      const double low = random_.range(35, 60);
+      const double height = low + 90 * plot_.centrality * random_.uniform();
       layout_.place(any(parts_.towers), place_at(at(x, z, 0.05), 0, {size_x, height, size_z}));
       roofs_.push_back({at(x, z, 0.05 + height * city_roof), 0.1 * size_x, 0.1 * size_z, false});
     }
@@ -105,17 +131,18 @@ class BlockBuilder {
 
   // Fills the block with what stands in streets, in yards and on roofs.
   void furnish() {
-    std::uint32_t kerb_slot = 0, walk_slot = 0;
+    const Slots cars(6.3, 6.0), things(3.7, 1.0);
+    std::uint32_t cars_placed = 0, things_placed = 0;
     while (more()) {
       const double where = random_.uniform();
       if (where < 0.2 && !roofs_.empty())
         on_roof();
-      else if (where < 0.5)
-        in_yard();
-      else if (where < 0.75)
-        at_kerb(kerb_slot++, parts_.car, parts_.van, 5.9, -1.25);
+      else if (where < 0.45 && cars_placed < cars.count)
+        at_kerb(cars.position(cars_placed++));
+      else if (where < 0.7 && things_placed < things.count)
+        on_walk(things.position(things_placed++));
       else
-        on_walk(walk_slot++);
+        in_yard();
     }
   }
 
@@ -155,28 +182,17 @@ class BlockBuilder {
       x = inside, z = 2 * (block_x + block_z) - along, turns = 0.75;
   }
 
-  // Slots along the outline, visited in an order that spreads them; corners stay free.
-  double slot_position(std::uint32_t slot, double pitch, double corner) const {
-    const auto slots = static_cast<std::uint32_t>(2 * (block_x + block_z) / pitch);
-    const double along = pitch * (slot * 31u % slots + 0.5);
-    double start = 0;
-    for (const double side : {block_x, block_z, block_x, block_z}) {
-      if (along < start + side) return start + std::clamp(along - start, corner, side - corner);
-      start += side;
-    }
-    return along;
-  }
-
-  void at_kerb(std::uint32_t slot, Part often, Part seldom, double pitch, double inside) {
+  void at_kerb(double along) {
     double x = 0, z = 0, turns = 0;
-    outline(slot_position(slot, pitch, 5.0) + random_.range(-0.4, 0.4), inside, x, z, turns);
-    const Part part = random_.chance(0.8) ? often : seldom;
+    const double shift = random_.range(-0.4, 0.4), inside = random_.range(-1.4, -1.15);
+    outline(along + shift, inside, x, z, turns);
+    const Part part = random_.chance(0.8) ? parts_.car : parts_.van;
     layout_.place(part, place_at(at(x, z, 0.0), turns + (random_.chance(0.2) ? 0.5 : 0.0)));
   }
 
-  void on_walk(std::uint32_t slot) {
+  void on_walk(double along) {
     double x = 0, z = 0, turns = 0;
-    outline(slot_position(slot, 3.7, 1.0), 0.7, x, z, turns);
+    outline(along, 0.7, x, z, turns);
     const double kind = random_.uniform();
     const Part part = kind < 0.4    ? parts_.street_tree
                       : kind < 0.65 ? parts_.lamp

@@ -1,0 +1,138 @@
+// Every culler of the registry against the oracle, at the promise that its row states: subsets of the candidates,
+// nothing seen is missed, the same answer for any number of threads, no memory that a reset leaves behind.
+#include <gtest/gtest.h>
+
+#include "agreement/cases.hpp"
+#include "sightline/oracle/oracle.hpp"
+#include "sightline/parallel/parallel.hpp"
+#include "sightline/registry.hpp"
+
+namespace sightline {
+namespace {
+
+struct Contender {
+  std::string text;
+  Promise promise;
+};
+
+/// Every culler with its defaults, and settings that stress it.
+std::vector<Contender> contenders() {
+  std::vector<Contender> all;
+  for (const Algorithm& row : algorithms())
+    if (row.family == Family::culler) all.push_back({std::string(row.name), row.promise});
+  for (const char* setting : {"resolution=0.25", "resolution=1:min_size=0:triangles=1000000", "resolution=0.11",
+                              "resolution=2", "scalar=on:min_size=1"})
+    all.push_back({std::string("occlusion_masked:") + setting, Promise::conservative_continuous});
+  return all;
+}
+
+void expect_nothing_missed(const std::string& name, const Scene& scene, const std::vector<View>& views) {
+  const IndexedScene indexed = index_scene(scene);
+  const Oracle oracle(scene);
+  const VisibleSet all = VisibleSet::all(scene.objects().size());
+  std::vector<std::unique_ptr<Culler>> cullers;
+  const std::vector<Contender> list = contenders();
+  for (const Contender& contender : list) cullers.push_back(make_culler(contender.text, indexed));
+  for (std::size_t v = 0; v < views.size(); ++v) {
+    check_view(views[v]);
+    const Truth centres = oracle.look(views[v]), between = oracle.look(views[v], 4);
+    for (std::size_t c = 0; c < list.size(); ++c) {
+      VisibleSet visible;
+      Counters counters;
+      cullers[c]->cull(views[v], all, visible, counters);
+      if (list[c].promise == Promise::approximate) continue;
+      const Truth& truth = list[c].promise == Promise::conservative_continuous ? between : centres;
+      const Verdict verdict = judge(truth, visible);
+      EXPECT_TRUE(verdict.missed.empty())
+          << list[c].text << " on " << name << ", view " << v << " (" << describe(views[v]) << "): object "
+          << verdict.missed.front() << " missed, seen through " << truth.samples[verdict.missed.front()] << " samples";
+    }
+  }
+}
+
+TEST(CullerAgreement, NothingSeenIsMissedOnGeneratedScenes) {
+  for (const cases::Case& c : cases::generated())
+    expect_nothing_missed(c.name, c.scene, cases::hard_views(c.scene, 48, 11));
+}
+
+TEST(CullerAgreement, NothingSeenIsMissedOnRealScenes) {
+  const auto files = cases::real_scenes();
+  if (files.empty()) GTEST_SKIP() << "NO REAL SCENES: the folder shared/scenes beside the checkout is missing";
+  for (const auto& file : files) {
+    const LoadedScene loaded = load_scene(file);
+    expect_nothing_missed(file.filename().string(), loaded.scene, cases::hard_views(loaded.scene, 8, 5));
+  }
+}
+
+TEST(CullerAgreement, AnswersAreSubsetsOfTheCandidates) {
+  const Scene scene = generate_scene("city", {.objects = 800, .triangles = 0, .seed = 3});
+  const IndexedScene indexed = index_scene(scene);
+  VisibleSet odd(scene.objects().size());
+  for (ObjectId id = 1; id < scene.objects().size(); id += 2) odd.insert(id);
+  for (const Contender& contender : contenders()) {
+    const auto culler = make_culler(contender.text, indexed);
+    for (const View& view : cases::hard_views(scene, 12, 2)) {
+      VisibleSet visible;
+      Counters counters;
+      culler->cull(view, odd, visible, counters);
+      EXPECT_TRUE(visible.subset_of(odd)) << contender.text;
+      EXPECT_EQ(visible.universe(), odd.universe()) << contender.text;
+    }
+  }
+}
+
+std::vector<ObjectId> answer(Culler& culler, const View& view, const VisibleSet& candidates) {
+  VisibleSet visible;
+  Counters counters;
+  culler.cull(view, candidates, visible, counters);
+  return visible.sorted();
+}
+
+TEST(CullerAgreement, SameAnswersForEveryThreadCountAndAfterReset) {
+  const Scene scene = generate_scene("building", {.objects = 500, .triangles = 0, .seed = 3});
+  const IndexedScene indexed = index_scene(scene);
+  const VisibleSet all = VisibleSet::all(scene.objects().size());
+  for (const Contender& contender : contenders()) {
+    const auto one = make_culler(contender.text, indexed), two = make_culler(contender.text, indexed);
+    const auto forgetful = make_culler(contender.text, indexed);
+    for (const View& view : cases::hard_views(scene, 10, 9)) {
+      const auto with = [&](int threads, Culler& culler) {
+        const ThreadLimit limit(threads);
+        return answer(culler, view, all);
+      };
+      EXPECT_EQ(with(1, *one), with(2, *two)) << contender.text;
+      forgetful->reset();
+      EXPECT_EQ(answer(*forgetful, view, all), answer(*make_culler(contender.text, indexed), view, all))
+          << contender.text;
+    }
+  }
+}
+
+TEST(CullerAgreement, EmptySceneGivesEmptyAnswers) {
+  const Scene scene = SceneBuilder().build();
+  const IndexedScene indexed = index_scene(scene);
+  for (const Contender& contender : contenders()) {
+    VisibleSet visible(0);
+    Counters counters;
+    make_culler(contender.text, indexed)->cull(View(), VisibleSet::all(0), visible, counters);
+    EXPECT_EQ(visible.count(), 0u) << contender.text;
+  }
+}
+
+// The check itself must be able to fail: a culler that drops a seen object is caught.
+TEST(CullerAgreement, TheVerdictFindsWhatIsMissing) {
+  const Scene scene = cases::gap_scene(0.02f);
+  const Oracle oracle(scene);
+  View view = look_along({0, 0, 6}, {0, 0, -1});
+  const Truth truth = oracle.look(view);
+  ASSERT_GT(truth.seen.count(), 2u);
+  VisibleSet visible(scene.objects().size());
+  for (const ObjectId id : truth.seen.order())
+    if (id != 0) visible.insert(id);
+  const Verdict verdict = judge(truth, visible);
+  ASSERT_EQ(verdict.missed, std::vector<ObjectId>{0});
+  EXPECT_EQ(verdict.missed_samples, truth.samples[0]);
+}
+
+}  // namespace
+}  // namespace sightline

@@ -1,0 +1,74 @@
+// Every renderer of the registry against the oracle, pixel by pixel: the same object, unless two surfaces lie closer
+// than the stated depth error or the pixel centre lies on an edge as far as floats can tell. Those pixels are counted.
+#include <gtest/gtest.h>
+
+#include "agreement/cases.hpp"
+#include "sightline/oracle/oracle.hpp"
+#include "sightline/registry.hpp"
+
+namespace sightline {
+namespace {
+
+struct Agreement {
+  std::size_t pixels = 0, same = 0, close = 0, edge = 0, wrong = 0;
+};
+
+/// True if the object at the pixel appears within one pixel in the other image too: the centre lies on its edge.
+bool appears_near(const Frame& frame, int x, int y, ObjectId id) {
+  for (int ny = std::max(0, y - 1); ny <= std::min(frame.height - 1, y + 1); ++ny)
+    for (int nx = std::max(0, x - 1); nx <= std::min(frame.width - 1, x + 1); ++nx)
+      if (frame.object[frame.index(nx, ny)] == id) return true;
+  return false;
+}
+
+Agreement compare(const Frame& a, const Frame& b, double reach_of_scene) {
+  Agreement result;
+  for (int y = 0; y < a.height; ++y)
+    for (int x = 0; x < a.width; ++x) {
+      const std::size_t at = a.index(x, y);
+      ++result.pixels;
+      if (a.object[at] == b.object[at]) {
+        ++result.same;
+        continue;
+      }
+      const double depth = std::min(a.depth[at], b.depth[at]);
+      if (std::abs(static_cast<double>(a.depth[at]) - b.depth[at]) <= depth_error * (depth + reach_of_scene))
+        ++result.close;
+      else if (appears_near(b, x, y, a.object[at]) && appears_near(a, x, y, b.object[at]))
+        ++result.edge;
+      else
+        ++result.wrong;
+    }
+  return result;
+}
+
+TEST(RendererAgreement, IdsAreThoseOfTheOracle) {
+  for (const cases::Case& c : cases::generated()) {
+    const IndexedScene indexed = index_scene(c.scene);
+    const Oracle oracle(c.scene);
+    const VisibleSet all = VisibleSet::all(c.scene.objects().size());
+    for (const Algorithm& row : algorithms()) {
+      if (row.family != Family::renderer) continue;
+      const auto renderer = make_renderer(row.name, indexed);
+      Agreement total;
+      for (const View& view : cases::hard_views(c.scene, 24, 4)) {
+        Frame truth, frame;
+        Counters counters;
+        oracle.draw(view, truth);
+        renderer->draw(view, all, frame, counters);
+        const Agreement one = compare(frame, truth, reach(c.scene.bounds()) + glm::length(view.eye));
+        EXPECT_EQ(one.wrong, 0u) << row.name << " on " << c.name << " (" << describe(view) << ")";
+        total.pixels += one.pixels;
+        total.close += one.close;
+        total.edge += one.edge;
+      }
+      RecordProperty(std::string(row.name) + "_" + c.name + "_close", static_cast<int>(total.close));
+      std::printf("%-10s %-14s %8zu pixels, %zu closer than the depth error, %zu on an edge\n", row.name.data(),
+                  c.name.c_str(), total.pixels, total.close, total.edge);
+      EXPECT_LE(total.edge * 2000, total.pixels) << row.name << " on " << c.name;
+    }
+  }
+}
+
+}  // namespace
+}  // namespace sightline
