@@ -210,6 +210,19 @@ async function run_all() {
     assert.ok(height > 2 && height < 5, `cut between the eye and the roof, not at ${height}`);
   });
 
+  const many = make_fixture({ ...small, frames: 3 }), copies = 120;
+  const bounds = Buffer.from(many.report.objects.bounds, 'base64');
+  many.scene.objects *= copies;
+  many.report.objects.bounds = Buffer.concat(Array(copies).fill(bounds)).toString('base64');
+  for (const stored of many.report.frames)
+    stored.state = Buffer.concat(Array(copies).fill(Buffer.from(stored.state, 'base64'))).toString('base64');
+  await with_page('very many objects in software', many, async (page) => {
+    assert.match(await page.locator('#page').innerText(), /72,000 objects would be slow/);
+    assert.deepEqual(await legend(page), tally(many.report.frames[1]));
+    await page.getByRole('button', { name: 'Show 3-D anyway' }).click();
+    await page.locator('.space canvas').waitFor();
+  });
+
   const hostile = make_fixture(small);
   hostile.scene.name = '</script><img src=x onerror=alert(1)>';
   hostile.report.command = 'walk "</script><script>document.title = 1</script><!-- <script>" \u2028 --report x';

@@ -14,17 +14,25 @@ import { describe_object, Tooltip } from './tooltip.ts';
 /** Where following the eye takes less than this share of the world, an overview shows only dots. */
 const SMALL_WALK = 0.05;
 
-/** The panel, or null where the browser draws no WebGL. */
-export function space_view(walk: Walk, place: Placement, store: Store): HTMLElement | null {
+/** More objects than this crawl where the processor draws instead of a graphics card. */
+const MOST_IN_SOFTWARE = 60_000;
+
+export type SpacePanel = { panel: HTMLElement } | { missing: 'no WebGL' | 'too slow' };
+
+/** The panel, or why there is none; `anyway` shows it even if it will be slow. */
+export function space_view(walk: Walk, place: Placement, store: Store, anyway = false): SpacePanel {
   const canvas = element('canvas', { tabindex: 0, 'aria-label': '3-D view of the objects, coloured by state. Drag to turn, click and scroll to zoom.' });
-  let renderer: WebGLRenderer;
-  try {
-    if (!canvas.getContext('webgl2', { antialias: true })) return null;
-    renderer = new WebGLRenderer({ canvas, context: canvas.getContext('webgl2') as WebGL2RenderingContext, antialias: true });
-  } catch {
-    return null;
-  }
-  return new SpaceView(walk, place, store, canvas, renderer).root;
+  const context = canvas.getContext('webgl2', { antialias: true });
+  if (!context) return { missing: 'no WebGL' };
+  if (!anyway && place.count > MOST_IN_SOFTWARE && in_software(context)) return { missing: 'too slow' };
+  const renderer = new WebGLRenderer({ canvas, context, antialias: true });
+  return { panel: new SpaceView(walk, place, store, canvas, renderer).root };
+}
+
+function in_software(context: WebGL2RenderingContext): boolean {
+  const names = context.getExtension('WEBGL_debug_renderer_info');
+  const name = context.getParameter(names ? names.UNMASKED_RENDERER_WEBGL : context.RENDERER);
+  return /swiftshader|llvmpipe|softpipe|software|basic render/i.test(String(name));
 }
 
 class SpaceView {
