@@ -241,7 +241,9 @@ async function run_without_webgl() {
     const box = await page.locator('.plan canvas').boundingBox();
     assert.ok(box.height > 500, 'the plan takes the place');
     await to_space(page);
-    await page.mouse.move(box.x + box.width / 2, box.y + box.height / 2);
+    const inside = page.locator('.plan .tooltip');
+    for (let x = 0.3; x < 0.7 && !(await inside.isVisible()); x += 0.01) await page.mouse.move(box.x + box.width * x, 400);
+    assert.match(await inside.innerText(), /^Object \d+ · (seen|extra|hidden|outside|lost)/);
     await shot(page, 'without-webgl');
   });
 }

@@ -31,7 +31,7 @@ export class Flight {
   constructor(canvas: HTMLElement, private readonly place: Placement, view: Camera | null, private readonly wake: () => void, taken: () => void) {
     this.follow_distance = Math.min(0.2 * place.radius, 8 * place.grain);
     const along = view ? flat(view.direction) : new Vector3(-0.55, 0, -0.83);
-    this.outlook = along.clone().negate().addScaledVector(new Vector3(-along.z, 0, along.x), 0.55).setY(0.75).normalize();
+    this.outlook = along.clone().negate().addScaledVector(new Vector3(-along.z, 0, along.x), 0.55).setY(0.92).normalize();
     this.controls = new OrbitControls(this.camera, canvas);
     this.controls.enableDamping = true;
     this.controls.dampingFactor = 0.12;
