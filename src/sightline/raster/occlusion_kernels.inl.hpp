@@ -18,6 +18,10 @@
 
 #include "sightline/raster/occlusion_kernels.hpp"
 
+// A lambda that is called in a loop must be part of it, else its vectors go through memory.
+#undef SIGHTLINE_INLINE_LAMBDA
+#define SIGHTLINE_INLINE_LAMBDA __attribute__((always_inline))
+
 HWY_BEFORE_NAMESPACE();
 namespace sightline::raster::HWY_NAMESPACE {
 
@@ -210,7 +214,7 @@ HWY_INLINE void fill_lanes(const Corners& c, const Setups& s, std::size_t t, con
              step2 = step(edges[2].a, edges[2].b), step_near = step(s.gradient_x[t], s.gradient_y[t]);
   const auto least = hn::Set(d, s.least[t]);
   const float first_x = c.x[0][t], first_y = c.y[0][t];
-  const auto body = [&](std::size_t tile, float x, float y) {
+  const auto body = [&](std::size_t tile, float x, float y) SIGHTLINE_INLINE_LAMBDA {
     const auto inside =
         min3(hn::Add(hn::Set(d, at(edges[0], x, y)), step0), hn::Add(hn::Set(d, at(edges[1], x, y)), step1),
              hn::Add(hn::Set(d, at(edges[2], x, y)), step2));
@@ -269,7 +273,7 @@ HWY_INLINE void mark(const ScreenPoint& p, const ScreenPoint& q, const Margins& 
   for (std::size_t l = 0; l < tile_pixels; l += float_lanes()) {
     const auto lx = hn::Load(d, lane_x + l), ly = hn::Load(d, lane_y + l);
     const auto step = hn::Add(hn::Mul(hn::Set(d, sides[0].a), lx), hn::Mul(hn::Set(d, sides[0].b), ly));
-    for_tiles<2>(tiles, columns, rows, sides, [&](std::size_t tile, float x, float y) {
+    for_tiles<2>(tiles, columns, rows, sides, [&](std::size_t tile, float x, float y) SIGHTLINE_INLINE_LAMBDA {
       const auto cx = hn::Add(hn::Set(d, x), lx), cy = hn::Add(hn::Set(d, y), ly);
       auto hit = hn::Le(hn::Abs(hn::Add(hn::Set(d, at(sides[0], x, y)), step)), hn::Set(d, 1.0f));
       hit = hn::And(hit, hn::And(hn::Ge(cx, hn::Set(d, low_x - 0.5f)), hn::Le(cx, hn::Set(d, high_x + 0.5f))));
