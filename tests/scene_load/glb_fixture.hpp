@@ -23,9 +23,10 @@ namespace sightline::test {
 class ScratchFolder {
  public:
   ScratchFolder() {
+    static int number = 0;
     const testing::TestInfo* info = testing::UnitTest::GetInstance()->current_test_info();
-    std::string name =
-        std::string("sightline-") + info->test_suite_name() + "-" + info->name() + "-" + std::to_string(::getpid());
+    std::string name = std::string("sightline-") + info->test_suite_name() + "-" + info->name() + "-" +
+                       std::to_string(::getpid()) + "-" + std::to_string(number++);
     for (char& c : name) {
       if (c == '/') c = '_';
     }

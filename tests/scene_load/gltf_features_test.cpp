@@ -338,7 +338,7 @@ TEST(GltfMeshopt, BrokenViewsAreInputErrors) {
   EXPECT_EQ(error_with("mode", "NEW"), place + ": mode, filter, count and byteStride do not go together");
   EXPECT_EQ(error_with("filter", "OCTAHEDRAL"), place + ": mode, filter, count and byteStride do not go together");
   EXPECT_EQ(error_with("mode", "TRIANGLES"), place + ": mode, filter, count and byteStride do not go together");
-  EXPECT_EQ(error_with("count", 4000000000u), place + ": the file asks for more than 1024 MiB of geometry");
+  EXPECT_EQ(error_with("count", 4000000000u), place + ": the file asks for more than 1024 MiB");
   EXPECT_NE(error_with("count", 4000).find("the compressed data is broken"), std::string::npos);
   EXPECT_NE(error_with("byteLength", 7).find("the compressed data is broken"), std::string::npos);
   EXPECT_NE(error_with("byteLength", 1u << 30).find("lie outside buffers[0]"), std::string::npos);
