@@ -67,12 +67,10 @@ Mesh plant_mesh(double detail) {
   const Mesh leaf = make_ball(scaled(6, detail, 3), scaled(4, detail, 2));
   for (int i = 0; i < 7; ++i) {
     const glm::dvec2 c = circle_point(i * 0.382);
-    const float lean = i == 0 ? 0.0f : 0.16f;
-    append(mesh, leaf,
-           {{0.1f, 0, 0},
-            {lean * float(c.x) * 2, 0.4f, lean * float(c.y) * 2},
-            {0, 0, 0.1f},
-            {lean * float(c.x), 0.72f, lean * float(c.y)}});
+    // No two leaves are alike, so that none of their rings coincide where they cross.
+    const float lean = i == 0 ? 0.0f : 0.15f + 0.005f * static_cast<float>(i);
+    const glm::vec3 centre(lean * c.x, 0.72f + 0.01f * static_cast<float>(i), lean * c.y);
+    append(mesh, leaf, {{0.1f, 0, 0}, {1.7f * centre.x, 0.4f, 1.7f * centre.z}, {0, 0, 0.1f}, centre});
   }
   return mesh;
 }

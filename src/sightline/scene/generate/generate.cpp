@@ -15,6 +15,11 @@ constexpr Generator kinds[] = {
     {"building", "storeys of rooms along corridors, with doors, windows, furniture, cells and portals",
      generate_building},
     {"city", "blocks of houses and towers along streets, with trees, cars and back yards", generate_city},
+    {"forest", "trees, bushes and stones on hills: much is hidden by many things of which each hides little",
+     generate_forest},
+    {"layers", "parallel walls that cover the view, small things between: depth complexity by construction",
+     generate_layers},
+    {"plant", "pipe racks, tanks, steel structures, vessels and pumps: thin things without number", generate_plant},
     {"soup", "triangles, slivers, boxes and balls of all sizes, anywhere, through each other; for tests",
      generate_soup},
 };

@@ -60,7 +60,14 @@ Mesh Layout::tessellate(const PartInfo& info, double factor) const {
   const auto natural = static_cast<double>(info.natural.triangles.size());
   if (factor >= 1.0) {
     const auto wanted = static_cast<std::size_t>(natural * factor + 0.5);
-    return refine(info.make && factor > 1.0 ? info.make(std::sqrt(factor)) : info.natural, wanted);
+    if (!info.make || factor == 1.0) return refine(info.natural, wanted);
+    double detail = std::sqrt(factor);
+    Mesh mesh = info.make(detail);
+    while (mesh.triangles.size() > wanted && detail > 1.0) {
+      detail *= 0.98 * std::sqrt(static_cast<double>(wanted) / static_cast<double>(mesh.triangles.size()));
+      mesh = info.make(detail);
+    }
+    return refine(mesh, wanted);
   }
   if (!info.make) return info.natural;
   const auto coarsest = static_cast<double>(info.make(0.0).triangles.size());

@@ -21,7 +21,8 @@ class Layout {
 
   /// A mesh whose shape is the same at every tessellation.
   Part part(std::string_view name, Mesh mesh);
-  /// A mesh made for a tessellation: 0 is the coarsest, 1 natural, and d > 1 has at most d^2 times the triangles of 1.
+  /// A mesh made for a tessellation: 0 is the coarsest, 1 natural, and d > 1 has about d^2 times the triangles of 1
+  /// or fewer.
   /// Calls `make` at once for 1, and again when the total is known.
   Part part(std::string_view name, std::function<Mesh(double detail)> make);
 
