@@ -4,8 +4,9 @@ function(sightline_strict target)
   target_compile_features(${target} PUBLIC cxx_std_20)
   set_target_properties(${target} PROPERTIES CXX_EXTENSIONS OFF)
   if(PROJECT_IS_TOP_LEVEL)
-    target_compile_options(${target} PRIVATE -Wall -Wextra -Wpedantic -Wconversion -Wshadow -Werror)
-    # GCC 12 warns of its own std::string (bug 105651).
+    target_compile_options(${target} PRIVATE -Wall -Wextra -Wpedantic -Wconversion -Wshadow
+      $<$<CXX_COMPILER_ID:GNU>:-Werror>)
+    # Each compiler has its own taste: GCC decides. GCC 12 warns of its own std::string (bug 105651).
     target_compile_options(${target} PRIVATE $<$<AND:$<CXX_COMPILER_ID:GNU>,$<VERSION_LESS:$<CXX_COMPILER_VERSION>,13>>:-Wno-restrict>)
   endif()
   if(SIGHTLINE_SANITIZE)

@@ -188,13 +188,13 @@ function pictures_of(frame, { ids, depth }) {
 }
 
 /** What one method makes of the truth: everything seen, some of the hidden, and on two frames a loss if it is sloppy. */
-function judge(truth, frustum, frame, method, random, sloppy) {
+function judge(truth, frustum, frame, method, random, { lose, verify }) {
   const state = new Uint8Array(truth.length), keep = [0.1, 0.45, 1][method % 3], missed = [];
   for (let id = 0; id < truth.length; ++id) {
     if (!frustum[id] && !truth[id]) continue;
     const steady = random_source(id * 31 + Math.floor((frame + id % 12) / 12) * 7919 + method)();
-    state[id] = truth[id] ? 2 : steady < keep ? 3 : 1;
-    if (sloppy && truth[id] && (frame % 50 === 17 || frame % 50 === 18) && missed.length < 3 && random() < 0.1) {
+    state[id] = truth[id] ? 2 : steady < keep ? (verify ? 3 : 2) : 1;
+    if (lose && method === 0 && truth[id] && (frame % 50 === 17 || frame % 50 === 18) && missed.length < 3 && random() < 0.1) {
       state[id] = 4;
       missed.push(id);
     }
@@ -218,7 +218,7 @@ export function make_fixture({ objects = 3000, frames = 120, methods = 1, lose =
     const frustum = boxes.map((box) => in_frustum(box, view));
     const keep = Math.floor(frame / keep_every) !== Math.floor((frame - 1) / keep_every);
     runs.forEach((run, m) => {
-      const { state, missed } = judge(truth, frustum, frame, m, random, lose && m === 0);
+      const { state, missed } = judge(truth, frustum, frame, m, random, { lose, verify });
       const drawn = [...state.keys()].filter((id) => state[id] === 2 || state[id] === 3);
       run.frames.push({
         frame, eye: view.eye, candidates: objects, frustum: frustum.filter(Boolean).length, visible: drawn.length,
@@ -227,9 +227,8 @@ export function make_fixture({ objects = 3000, frames = 120, methods = 1, lose =
         truth_ms: verify ? 21 + 5 * random() : null,
         triangles_submitted: drawn.reduce((total, id) => total + triangles_of[id], 0),
       });
-      const named = methods > 1 ? { method: run.method } : {};
-      if (keep) kept.push({ frame, ...named, direction: view.direction, up: view.up, right: view.right, fov_y: FOV_Y, aspect: SIZE[0] / SIZE[1], near: NEAR, far: FAR,
-                            state: Buffer.from(state).toString('base64') });
+      kept.push({ frame, method: run.method, direction: view.direction, up: view.up, right: view.right, fov_y: FOV_Y, aspect: SIZE[0] / SIZE[1], near: NEAR, far: FAR,
+                  ...(keep ? { state: Buffer.from(state).toString('base64') } : {}) });
     });
     if (frame % picture_every === 0) pictures.push(...pictures_of(frame, seen));
   });

@@ -22,6 +22,11 @@ double reach_from(const glm::dvec3& eye, const Scene& scene) {
   return 1.001 * glm::length(farthest);
 }
 
+CameraPath views_of(const std::string& path, const Scene& scene, const PathConfig& config) {
+  if (path.empty()) return generate_path(scene, config);
+  return path == "stress" ? stress_path(scene, config) : read_path(path, config);
+}
+
 }  // namespace
 
 View prototype_view(const CameraOptions& options, const Scene& scene) {
@@ -50,7 +55,7 @@ CameraPath open_path(const PathOptions& path, const CameraOptions& options, cons
   config.frames = path.frames;
   config.prototype = prototype_view(options, scene);
   config.seed = seed;
-  CameraPath result = path.path.empty() ? generate_path(scene, config) : read_path(path.path, config);
+  CameraPath result = views_of(path.path, scene, config);
   if (options.far) return result;
   double far = 2.0 * config.prototype.near;
   for (const View& view : result.views) far = std::max(far, reach_from(view.eye, scene));

@@ -1,10 +1,12 @@
 // What a walk writes: the fields of the schema, their consistency, and the same answers for any number of threads.
 #include <csignal>
 #include <glm/glm.hpp>
+#include <glm/gtc/type_ptr.hpp>
 #include <thread>
 
 #include "cli/program.hpp"
 #include "sightline/registry.hpp"
+#include "sightline/scene/generate/generate.hpp"
 
 namespace sightline::cli_test {
 namespace {
@@ -98,8 +100,7 @@ TEST_F(Walk, SeveralMethodsShareOneTruth) {
   }
 }
 
-/// The matrix of a frame must put its eye where eyes are in OpenGL clip space: w = 0 and x = y = 0.
-TEST_F(Walk, IdsComeWithTheMatrixOfTheirView) {
+TEST_F(Walk, IdsAreObjectsOfTheScene) {
   const Outcome outcome = small_walk({"--method", "frustum_linear", "--ids"});
   ASSERT_EQ(outcome.code, 0) << outcome.err;
   const Json json = outcome.json();
@@ -116,14 +117,53 @@ TEST_F(Walk, IdsComeWithTheMatrixOfTheirView) {
     EXPECT_TRUE(std::is_sorted(ids.begin(), ids.end()));
     EXPECT_EQ(std::adjacent_find(ids.begin(), ids.end()), ids.end());
     EXPECT_TRUE(ids.empty() || ids.back() < objects.size());
-    const auto m = frame.at("view_projection").get<std::vector<double>>();
+  }
+}
+
+/// How far all corners of a box lie beyond the clip plane that they are farthest beyond, relative to their w; positive
+/// means outside of the view.
+double beyond_clip_space(const glm::dmat4& matrix, const Aabb& box) {
+  double beyond = -1e300;
+  for (int plane = 0; plane < 6; ++plane) {
+    double nearest = 1e300;
+    for (int corner = 0; corner < 8; ++corner) {
+      const glm::dvec4 p = matrix * glm::dvec4(glm::dvec3(box.corner(corner)), 1.0);
+      const double coordinate = plane % 2 == 0 ? p[plane / 2] : -p[plane / 2];
+      nearest = std::min(nearest, (coordinate - p.w) / (std::abs(p.w) + 1.0));
+    }
+    beyond = std::max(beyond, nearest);
+  }
+  return beyond;
+}
+
+/// Whoever reads the JSON can project the scene again: what is reported is what lies in the clip space of the matrix.
+TEST_F(Walk, IdsAgreeWithTheMatrix) {
+  const Outcome outcome = small_walk({"--method", "frustum_linear", "--ids"});
+  ASSERT_EQ(outcome.code, 0) << outcome.err;
+  GenerateConfig config;
+  config.objects = 200;
+  config.seed = 5;
+  const Scene scene = generate_scene("city", config);
+  const Json json = outcome.json();
+  ASSERT_EQ(json.at("scene").at("objects"), scene.objects().size());
+  std::size_t inside = 0, outside = 0;
+  for (const Json& frame : json.at("frames")) {
+    const auto ids = frame.at("visible_ids").get<std::vector<ObjectId>>();
+    const auto numbers = frame.at("view_projection").get<std::vector<double>>();
+    ASSERT_EQ(numbers.size(), 16u);
+    const glm::dmat4 matrix = glm::make_mat4(numbers.data());
     const auto eye = frame.at("eye").get<std::vector<double>>();
-    ASSERT_EQ(m.size(), 16u);
-    for (const int row : {0, 1, 3}) {
-      const auto r = static_cast<std::size_t>(row);
-      EXPECT_NEAR(m[r] * eye[0] + m[4 + r] * eye[1] + m[8 + r] * eye[2] + m[12 + r], 0.0, 1e-9) << "row " << row;
+    const glm::dvec4 at_eye = matrix * glm::dvec4(eye[0], eye[1], eye[2], 1.0);
+    EXPECT_NEAR(glm::length(glm::dvec3(at_eye.x, at_eye.y, at_eye.w)), 0.0, 1e-9);
+    for (ObjectId id = 0; id < scene.objects().size(); ++id) {
+      const double beyond = beyond_clip_space(matrix, scene.objects()[id].bounds);
+      const bool reported = std::binary_search(ids.begin(), ids.end(), id);
+      EXPECT_TRUE(reported ? beyond < 1e-4 : beyond > 0.0) << "object " << id << " lies " << beyond << " beyond";
+      ++(reported ? inside : outside);
     }
   }
+  EXPECT_GT(inside, 0u);
+  EXPECT_GT(outside, 0u);
 }
 
 TEST_F(Walk, ThreadsDoNotChangeTheAnswer) {
@@ -164,6 +204,33 @@ TEST_F(Walk, PathFileIsFollowed) {
   const Json json = outcome.json();
   EXPECT_EQ(json.at("frames")[0].at("eye"), Json({1.0, 2.0, 3.0}));
   EXPECT_EQ(json.at("frames")[1].at("eye"), Json({4.0, 5.0, 6.0}));
+}
+
+TEST_F(Walk, StressPathIsAnotherPath) {
+  const Outcome walk = small_walk({"--method", "none", "--no-verify"});
+  const Outcome stress = small_walk({"--method", "none", "--no-verify", "--path", "stress"});
+  ASSERT_EQ(stress.code, 0) << stress.err;
+  const Json one = walk.json(), other = stress.json();
+  ASSERT_EQ(other.at("frames").size(), 5u);
+  EXPECT_NE(one.at("frames")[0].at("eye"), other.at("frames")[0].at("eye"));
+}
+
+/// Without --far everything lies before the far plane: an eye far outside sees the scene.
+TEST_F(Walk, FarPlaneFollowsTheEye) {
+  std::ofstream(file("path.txt")) << "0 1000 90000 0 0 -1\n";
+  const std::vector<std::string> words{"walk",     "generate:city:objects=50",
+                                       "--method", "none",
+                                       "--path",   file("path.txt"),
+                                       "--frames", "1",
+                                       "--fov",    "2",
+                                       "--size",   "300x300",
+                                       "--json",   "-"};
+  const Outcome near = run(words);
+  ASSERT_EQ(near.code, 0) << near.err;
+  EXPECT_GT(near.json().at("frames")[0].at("truth"), 0);
+  std::vector<std::string> cut = words;
+  cut.insert(cut.end(), {"--far", "80000"});
+  EXPECT_EQ(run(cut).json().at("frames")[0].at("truth"), 0);
 }
 
 TEST_F(Walk, TableAndVerdictAreText) {

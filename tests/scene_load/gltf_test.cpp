@@ -103,7 +103,7 @@ TEST(Gltf, NonIndexedTriangles) {
   EXPECT_EQ(loaded.scene.triangle_count(), 2u);
   EXPECT_EQ(loaded.scene.meshes()[0].positions.size(), 6u);
   ASSERT_EQ(loaded.warnings.size(), 1u);
-  EXPECT_NE(loaded.warnings[0].find("the last 1 corners make no triangle"), std::string::npos);
+  EXPECT_NE(loaded.warnings[0].find("meshes[0].primitives[0]: the last corners make no triangle"), std::string::npos);
 }
 
 TEST(Gltf, InterleavedVerticesByStrideAndOffset) {

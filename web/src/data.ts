@@ -24,22 +24,27 @@ export interface Summary {
   cull_ms_median?: number | null;
   triangles_fraction?: number | null;
   verdict?: string;
+  interrupted?: boolean;
+  counters?: Record<string, number>;
 }
 
 export interface Run {
   method: string;
+  promise?: string;
   frames: WalkFrame[];
   summary: Summary;
 }
 
-/** Camera and object states of one frame; `far` is null when there is no far plane. */
+/** Camera and, where kept, object states of one frame; `far` is null when there is no far plane. A perspective camera has
+ *  its full vertical angle `fov_y`, an orthographic one the height `span_y` of its picture instead. */
 export interface StoredFrame {
   frame: number;
   method?: string;
   direction: Vector;
   up: Vector;
   right: Vector;
-  fov_y: number;
+  fov_y: number | null;
+  span_y?: number | null;
   aspect: number;
   near: number;
   far: number | null;
@@ -56,6 +61,8 @@ interface RawWalk {
   schema?: string;
   size?: [number, number];
   method?: string;
+  promise?: string;
+  samples?: number;
   scene?: { name?: string; objects?: number; triangles?: number };
   frames?: WalkFrame[];
   summary?: Summary;
@@ -106,7 +113,9 @@ export interface Camera extends StoredFrame {
 export class Walk {
   readonly runs: Run[];
   readonly size: [number, number] | null;
+  readonly samples: number;  // of the truth, per axis of a pixel
   readonly scene_name: string;
+  readonly scene_path: string;
   readonly triangles: number | null;
   readonly object_count: number;
   readonly bounds: Float32Array | null;  // per object lo xyz, hi xyz, world space
@@ -116,23 +125,29 @@ export class Walk {
   readonly pictures: Picture[];
   readonly complaints: string[] = [];  // what is wrong with the data, in sentences
   private readonly stored: StoredFrame[][];  // per run, by frame
+  private readonly with_states: StoredFrame[][];
   private readonly decoded = new Map<StoredFrame, Uint8Array>();
 
   constructor(raw: RawWalk) {
     const frames = raw.frames ?? [];
-    const runs = raw.runs ?? [{ method: raw.method ?? 'unnamed method', frames, summary: raw.summary ?? {} }];
+    const runs = raw.runs ?? [{ method: raw.method ?? 'unnamed method', promise: raw.promise, frames, summary: raw.summary ?? {} }];
     this.runs = runs.map((run) => ({ ...run, frames: run.frames ?? [], summary: run.summary ?? {} }));
     this.size = raw.size ?? null;
-    this.scene_name = raw.scene?.name ?? 'unnamed scene';
+    this.samples = raw.samples ?? 1;
+    this.scene_path = raw.scene?.name ?? 'unnamed scene';
+    this.scene_name = this.scene_path.replace(/^.*[\\/](?=.)/, '');
     this.triangles = raw.scene?.triangles ?? null;
     const report = raw.report ?? {};
     this.command = report.command ?? '';
     this.version = report.version ?? '';
-    this.date = report.date ?? '';
+    this.date = (report.date ?? '').replace(/^(\d{4}-\d\d-\d\d)T(\d\d:\d\d).*Z$/, '$1 $2 UTC');
     this.pictures = (report.pictures ?? []).filter((picture) => picture.png);
     this.bounds = this.read_bounds(report.objects?.bounds);
     this.object_count = raw.scene?.objects ?? (this.bounds ? this.bounds.length / 6 : 0);
     this.stored = this.runs.map((run, index) => this.stored_of(run, index, report.frames ?? []));
+    this.with_states = this.stored.map((stored) => (this.bounds ? stored.filter((frame) => frame.state) : []));
+    if (this.runs.some((run) => run.summary.interrupted))
+      this.complaints.push(`The walk was interrupted after ${this.frame_count} frames.`);
     if (raw.schema && raw.schema !== 'sightline.walk/1')
       this.complaints.push(`This page was made for sightline.walk/1, but the data says ${raw.schema}.`);
   }
@@ -151,32 +166,27 @@ export class Walk {
   }
 
   has_states(run: number): boolean {
-    return this.bounds !== null && this.stored[run].some((frame) => frame.state);
+    return this.with_states[run].length > 0;
   }
 
-  stored_frames(run: number): StoredFrame[] {
-    return this.stored[run];
+  /** Frames of a run that have states, in order. */
+  state_frames(run: number): StoredFrame[] {
+    return this.with_states[run];
   }
 
-  /** The stored frame nearest to a frame of the walk, with its eye; null if none is stored. */
+  /** The stored camera nearest to a frame of the walk, with its eye; null if none is stored. */
   camera(run: number, index: number): Camera | null {
-    const frames = this.stored[run];
-    if (frames.length === 0) return null;
-    let low = 0, high = frames.length - 1;
-    while (low < high) {
-      const middle = (low + high) >> 1;
-      if (frames[middle].frame < index) low = middle + 1;
-      else high = middle;
-    }
-    const before = frames[Math.max(0, low - 1)], after = frames[low];
-    const nearest = index - before.frame < after.frame - index ? before : after;
-    const eye = this.frame(run, nearest.frame)?.eye;
-    return eye ? { ...nearest, eye } : null;
+    return this.nearest(run, this.stored[run], index);
+  }
+
+  /** The same among frames that have states: whose colours are shown. Without any states the nearest camera. */
+  state_camera(run: number, index: number): Camera | null {
+    return this.nearest(run, this.with_states[run], index) ?? this.camera(run, index);
   }
 
   /** States of all objects in a stored frame; null if it has none. */
   states(run: number, stored_index: number): Uint8Array | null {
-    const frame = this.stored[run].find((candidate) => candidate.frame === stored_index);
+    const frame = this.with_states[run].find((candidate) => candidate.frame === stored_index);
     if (!frame?.state || !this.bounds) return null;
     let states = this.decoded.get(frame);
     if (!states) {
@@ -190,6 +200,20 @@ export class Walk {
   /** Every eye of a run, in order; the frames of all runs follow the same path. */
   eyes(run: number): Vector[] {
     return this.runs[run].frames.map((frame) => frame.eye).filter((eye) => eye?.length === 3);
+  }
+
+  private nearest(run: number, frames: StoredFrame[], index: number): Camera | null {
+    if (frames.length === 0) return null;
+    let low = 0, high = frames.length - 1;
+    while (low < high) {
+      const middle = (low + high) >> 1;
+      if (frames[middle].frame < index) low = middle + 1;
+      else high = middle;
+    }
+    const before = frames[Math.max(0, low - 1)], after = frames[low];
+    const nearest = index - before.frame < after.frame - index ? before : after;
+    const eye = this.frame(run, nearest.frame)?.eye;
+    return eye ? { ...nearest, eye } : null;
   }
 
   private read_bounds(base64: string | undefined): Float32Array | null {

@@ -28,7 +28,8 @@ export function choice<T extends string>(
     for (const button of buttons) button.setAttribute('aria-pressed', String(button.dataset.value === value));
   };
   show(chosen);
-  return { root: element('div', { class: 'choice', role: 'group', 'aria-label': label }, ...buttons), show };
+  const button = (value: T) => buttons[options.findIndex((option) => option.value === value)];
+  return { root: element('div', { class: 'choice', role: 'group', 'aria-label': label }, ...buttons), show, button };
 }
 
 /** A colour of the page's scheme, such as "--seen". */

@@ -3,7 +3,7 @@
 import type { Run, Walk } from './data.ts';
 import { count, plural } from './format.ts';
 
-export type Outcome = 'clean' | 'lost' | 'unchecked' | 'empty';
+export type Outcome = 'clean' | 'lost' | 'approximate' | 'unchecked' | 'empty';
 
 export interface Verdict {
   outcome: Outcome;
@@ -21,15 +21,16 @@ export function median(values: number[]): number | null {
   return sorted.length % 2 ? sorted[middle] : (sorted[middle - 1] + sorted[middle]) / 2;
 }
 
-export function verdict(run: Run): Verdict {
+/** `samples`: rays per axis of a pixel with which the truth was found. */
+export function verdict(run: Run, samples: number): Verdict {
   const frames = run.frames;
   if (frames.length === 0) return { outcome: 'empty', sentence: 'This walk holds no frames', detail: '', worst: null };
   const checked = frames.filter((frame) => frame.truth !== null && frame.truth !== undefined);
   if (checked.length === 0)
     return {
       outcome: 'unchecked',
-      sentence: 'Not checked: nobody looked whether anything visible was lost',
-      detail: 'The walk was made without the truth (--no-verify). What was drawn is known, what was seen is not.',
+      sentence: 'Not checked whether anything visible was lost',
+      detail: 'The walk was made with --no-verify: what was drawn is known, what can be seen is not.',
       worst: null,
     };
   const scope = checked.length === frames.length ? `${count(frames.length)} ${plural(frames.length, 'frame')}`
@@ -39,7 +40,8 @@ export function verdict(run: Run): Verdict {
     return {
       outcome: 'clean',
       sentence: `Nothing visible was lost in ${scope}`,
-      detail: 'Every object seen through at least one pixel, by rays, was among those drawn.',
+      detail: samples > 1 ? `Every object that at least one of ${samples} × ${samples} rays through a pixel meets was among those drawn.`
+                          : 'Every object seen at the centre of at least one pixel was among those drawn.',
       worst: null,
     };
   const worst = losing.reduce((most, frame) => ((frame.missed ?? 0) > (most.missed ?? 0) ? frame : most));
@@ -47,15 +49,17 @@ export function verdict(run: Run): Verdict {
   const was = objects.number === 1 ? 'was' : 'were';
   const what = objects.distinct ? `${count(objects.number)} ${plural(objects.number, 'object')} ${was} lost`
                                 : `Objects were lost ${count(objects.number)} times`;
+  const outcome = run.promise === 'approximate' ? 'approximate' : 'lost';
+  const excuse = outcome === 'approximate' ? ' The method is approximate: it promises no better.' : '';
   if (losing.length === 1)
     return {
-      outcome: 'lost', worst: frames.indexOf(worst), sentence: `${what} in frame ${worst.frame}`,
-      detail: checked.length > 1 ? `Nothing was lost in the other ${count(checked.length - 1)}.` : '',
+      outcome, worst: frames.indexOf(worst), sentence: `${what} in frame ${worst.frame}`,
+      detail: (checked.length > 1 ? `Nothing was lost in the other ${count(checked.length - 1)}.` : '') + excuse,
     };
   return {
-    outcome: 'lost',
+    outcome,
     sentence: `${what} in ${count(losing.length)} of ${scope}`,
-    detail: `Frame ${worst.frame} is the worst: it lost ${count(worst.missed ?? 0)}.`,
+    detail: `Frame ${worst.frame} is the worst: it lost ${count(worst.missed ?? 0)}.${excuse}`,
     worst: frames.indexOf(worst),
   };
 }

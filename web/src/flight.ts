@@ -22,10 +22,16 @@ export class Flight {
   readonly camera = new PerspectiveCamera(FOV, 1, 0.1, 1000);
   readonly controls: OrbitControls;
   mode: Mode = 'overview';
+  /** How far behind the eye to follow: some objects' lengths, in a small world less. */
+  readonly follow_distance: number;
+  private readonly outlook: Vector3;  // from where the overview looks
   private flight: { from: Pose; to: Pose; start: number } | null = null;
 
-  /** `wake` asks for a drawing, `taken` says that somebody took the camera by hand. */
-  constructor(canvas: HTMLElement, private readonly place: Placement, private readonly wake: () => void, taken: () => void) {
+  /** `view` is what the overview looks along with at first, `wake` asks for a drawing, `taken` says that somebody took the camera by hand. */
+  constructor(canvas: HTMLElement, private readonly place: Placement, view: Camera | null, private readonly wake: () => void, taken: () => void) {
+    this.follow_distance = Math.min(0.2 * place.radius, 8 * place.grain);
+    const along = view ? flat(view.direction) : new Vector3(-0.55, 0, -0.83);
+    this.outlook = along.clone().negate().addScaledVector(new Vector3(-along.z, 0, along.x), 0.55).setY(0.92).normalize();
     this.controls = new OrbitControls(this.camera, canvas);
     this.controls.enableDamping = true;
     this.controls.dampingFactor = 0.12;
@@ -59,13 +65,13 @@ export class Flight {
     this.wake();
   }
 
-  /** Out of the view, up and back, to where its whole pyramid can be seen. */
-  fly_out(view: Camera): void {
-    const [eye, ...corners] = this.place.pyramid(view).map(vector);
-    const end = corners.reduce((sum, corner) => sum.add(corner), new Vector3()).divideScalar(4);
-    const length = Math.max(eye.distanceTo(end), 0.15 * this.place.radius);
+  /** Out of the view, up and back, to where what is seen in it can be overlooked; `reach` is how far that lies. */
+  fly_out(view: Camera, reach: number): void {
+    const eye = vector(this.place.inward(view.eye));
+    const end = this.place.view_corners(view).far.reduce((sum, corner) => sum.add(vector(corner)), new Vector3()).divideScalar(4);
+    const length = Math.max(Math.min(eye.distanceTo(end), 1.3 * reach), 2 * this.follow_distance);
     const along = flat(view.direction), aside = new Vector3(-along.z, 0, along.x);
-    const target = eye.clone().lerp(end, 0.45);
+    const target = eye.clone().addScaledVector(vector(view.direction), 0.45 * length);
     const position = target.clone().addScaledVector(along, -0.75 * length).addScaledVector(aside, 0.55 * length);
     position.y += 0.95 * length;
     this.mode = 'free';
@@ -116,7 +122,7 @@ export class Flight {
     if (!view || !eye) return null;
     const at = vector(this.place.inward(eye)), along = vector(view.direction);
     if (this.mode === 'eye') return { position: at, target: at.clone().addScaledVector(along, 0.1 * this.place.radius), fov: this.fitting_fov(view) };
-    const back = 0.2 * this.place.radius, level = flat(view.direction);
+    const back = this.follow_distance, level = flat(view.direction);
     const position = at.clone().addScaledVector(level, -back);
     position.y += 0.9 * back;
     return { position, target: at.clone().addScaledVector(level, 0.5 * back), fov: FOV };
@@ -124,13 +130,14 @@ export class Flight {
 
   /** A field of view in which the whole picture of the view fits, in degrees. */
   private fitting_fov(view: Camera): number {
+    if (!view.fov_y) return FOV;
     const half = Math.tan(view.fov_y / 2) * Math.max(1, view.aspect / this.camera.aspect);
     return (2 * Math.atan(half) * 180) / Math.PI;
   }
 
   private overview(): Pose {
     const distance = 1.9 * this.place.radius * Math.max(1, 1.2 / this.camera.aspect);
-    return { position: new Vector3(0.48, 0.62, 0.72).normalize().multiplyScalar(distance), target: new Vector3(), fov: FOV };
+    return { position: this.outlook.clone().multiplyScalar(distance), target: new Vector3(), fov: FOV };
   }
 
   private from_above(): Pose {

@@ -21,6 +21,13 @@ export function significant(value: Maybe): string {
   return value === 0 ? '0' : value.toFixed(Math.min(6, 2 - Math.floor(Math.log10(magnitude))));
 }
 
+/** A round length: 20 cm, 5 m, 2 km. */
+export const metres = (length: number) =>
+  length >= 1000 ? `${short_decimal(length / 1000)} km` : length >= 1 ? `${short_decimal(length)} m` : `${short_decimal(length * 100)} cm`;
+
+/** Of a mark at an axis: as short as it is exact. */
+export const short_decimal = (value: number) => String(Number(value.toPrecision(6)));
+
 export const percent = (share: Maybe) =>
   !known(share) ? '–' : share > 0 && share < 0.001 ? '< 0.1 %' : `${(share * 100).toFixed(1)} %`;
 

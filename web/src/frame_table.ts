@@ -18,7 +18,7 @@ const COLUMNS: Column[] = [
   { name: 'In frustum', key: (frame) => frame.frustum, text: count },
   { name: 'Drawn', key: (frame) => frame.visible, text: count },
   { name: 'Truly seen', key: (frame) => frame.truth, text: count },
-  { name: 'Drawn per seen', key: (frame) => (frame.truth ? frame.visible / frame.truth : null), text: (value) => (value ? `${significant(value)} ×` : '–') },
+  { name: 'Drawn/seen', key: (frame) => (frame.truth ? frame.visible / frame.truth : null), text: (value) => (value ? `${significant(value)} ×` : '–') },
   { name: 'Cull, ms', key: (frame) => frame.cull_ms, text: significant },
   { name: 'Truth, ms', key: (frame) => frame.truth_ms, text: significant },
   { name: 'Triangles', key: (frame) => frame.triangles_submitted, text: count },

@@ -5,7 +5,7 @@ import { figures, verdict } from './figures.ts';
 import { count, percent, plural, short_count, significant } from './format.ts';
 import type { Store } from './store.ts';
 
-const MARKS = { clean: '✓', lost: '✕', unchecked: '?', empty: '–' };
+const MARKS = { clean: '✓', lost: '✕', approximate: '≈', unchecked: '?', empty: '–' };
 
 export function head(walk: Walk, store: Store): HTMLElement {
   const mark = element('span', { class: 'mark', 'aria-hidden': 'true' });
@@ -18,7 +18,7 @@ export function head(walk: Walk, store: Store): HTMLElement {
     tiles, methods(walk, store), command(walk));
   store.on(['run'], () => {
     const run = walk.runs[store.get('run')];
-    const said = verdict(run);
+    const said = verdict(run, walk.samples);
     root.dataset.outcome = said.outcome;
     mark.textContent = MARKS[said.outcome];
     sentence.textContent = said.sentence;
@@ -43,7 +43,7 @@ function source(walk: Walk): HTMLElement {
     walk.date, walk.version && `version ${walk.version}`,
   ].filter((part) => part);
   return element('p', { class: 'source' }, ...parts.map((part, index) =>
-    element(index === 0 ? 'strong' : 'span', {}, part as string)));
+    element(index === 0 ? 'strong' : 'span', index === 0 ? { title: walk.scene_path } : {}, part as string)));
 }
 
 function eye_mark(): Element {
@@ -89,7 +89,7 @@ function tile(name: string, value: string, note: string): HTMLElement {
 function methods(walk: Walk, store: Store): HTMLElement | null {
   if (walk.runs.length < 2) return null;
   const rows = walk.runs.map((run, index) => {
-    const figure = figures(walk, run), said = verdict(run);
+    const figure = figures(walk, run), said = verdict(run, walk.samples);
     const input = element('input', { type: 'radio', name: 'method', id: `method-${index}`, onchange: () => store.set({ run: index }) });
     store.on(['run'], () => { input.checked = store.get('run') === index; });
     return element('tr', { 'data-outcome': said.outcome, onclick: () => store.set({ run: index }) },

@@ -18,7 +18,7 @@ export function legend(walk: Walk, store: Store): HTMLElement {
   const lost = element('p', { class: 'lost-list', hidden: true });
   const note = element('p', { class: 'note' });
   store.on(['frame', 'frozen', 'run'], () => {
-    const camera = walk.camera(store.get('run'), store.state_frame);
+    const camera = walk.state_camera(store.get('run'), store.state_frame);
     const states = camera && walk.states(store.get('run'), camera.frame);
     const tally = new Array<number>(6).fill(0);
     if (states) for (const state of states) ++tally[state < 6 ? state : 5];
@@ -30,7 +30,7 @@ export function legend(walk: Walk, store: Store): HTMLElement {
       number.textContent = states ? count(tally[state]) : '–';
       root.hidden = !checked && (state === LOST || state === EXTRA) && tally[state] === 0;
     }
-    say_source(note, walk, store, camera?.frame ?? null);
+    say_source(note, walk, store, states && camera ? camera.frame : null);
     list_lost(lost, states, tally[LOST], store);
   });
   return element('div', { class: 'legend' }, element('fieldset', {}, element('legend', {}, 'Objects'), ...items.map(({ root }) => root)), note, lost);

@@ -1,4 +1,4 @@
-// Lines of the 3-D view: the way of the eye, the pyramid of a view, a ground grid.
+// Lines of the 3-D view: the way of the eye, the solid of a view, a ground grid.
 import {
   BufferGeometry, Color, DoubleSide, Float32BufferAttribute, GridHelper, Group, Mesh, MeshBasicMaterial, SphereGeometry, type Material, type Object3D,
 } from 'three';
@@ -48,8 +48,8 @@ export function path_line(eyes: Vector[]): Object3D {
   return group;
 }
 
-/** The faces of the pyramid of a view, as lines; a bold one also has faintly filled sides. */
-export function pyramid_lines(faces: Vector[][], bold: boolean): Object3D {
+/** The faces of the solid of a view, as lines; a bold one also has faintly filled sides. */
+export function view_lines(faces: Vector[][], bold: boolean): Object3D {
   const group = new Group();
   const points = faces.flatMap((face) => face.flatMap((point, index) => [point, face[(index + 1) % face.length]])).flat();
   if (points.length === 0) return group;

@@ -8,7 +8,7 @@ import { object_card } from './object_card.ts';
 import { pictures } from './pictures.ts';
 import { Placement } from './placement.ts';
 import { plots } from './plots.ts';
-import { significant } from './format.ts';
+import { count, significant } from './format.ts';
 import { space_view } from './space_view.ts';
 import { Store } from './store.ts';
 import { top_view } from './top_view.ts';
@@ -49,10 +49,21 @@ function space(walk: Walk, store: Store): HTMLElement {
   }
   const place = new Placement(walk);
   if (place.roof !== null) store.set({ cut: place.roof + place.centre[1] });
-  const plan = top_view(walk, place, store), solid = space_view(walk, place, store);
-  if (!solid) root.append(element('p', { class: 'absent' }, 'This browser draws no WebGL; the plan shows the same from above.'));
-  root.append(element('div', { class: solid ? 'spaces' : 'spaces flat' }, solid, element('div', { class: 'side' },
-    legend(walk, store), cut_slider(place, store), object_card(walk, place, store), plan)));
+  const side = element('div', { class: 'side' },
+    legend(walk, store), cut_slider(place, store), object_card(walk, place, store), top_view(walk, place, store));
+  const views = element('div', { class: 'spaces flat' }, side);
+  const reason = element('p', { class: 'absent' });
+  const show = (anyway: boolean) => {
+    const made = space_view(walk, place, store, anyway);
+    views.classList.toggle('flat', !('panel' in made));
+    reason.hidden = 'panel' in made;
+    if ('panel' in made) views.prepend(made.panel);
+    else if (made.missing === 'no WebGL') reason.textContent = 'This browser draws no WebGL; the plan shows the same from above.';
+    else reason.replaceChildren(`This browser draws 3-D without a graphics card: ${count(place.count)} objects would be slow, the plan shows the same from above. `,
+      element('button', { type: 'button', class: 'link', onclick: () => show(true) }, 'Show 3-D anyway'));
+  };
+  show(false);
+  root.append(reason, views);
   return root;
 }
 

@@ -13,8 +13,8 @@ export function object_card(walk: Walk, place: Placement, store: Store): HTMLEle
   const root = element('div', { class: 'card', hidden: true, role: 'status' }, element('div', { class: 'bar' }, title,
     element('button', { type: 'button', class: 'quiet', 'aria-label': 'Close', onclick: () => store.set({ selected: null }) }, '✕')), said, strip);
   let history = new Uint8Array(0);
-  const stored = () => walk.stored_frames(store.get('run')).filter((frame) => frame.state);
-  const draw = () => draw_history(strip, history, stored().findIndex((frame) => frame.frame === walk.camera(store.get('run'), store.get('frame'))?.frame));
+  const stored = () => walk.state_frames(store.get('run'));
+  const draw = () => draw_history(strip, history, stored().findIndex((frame) => frame.frame === walk.state_camera(store.get('run'), store.get('frame'))?.frame));
   store.on(['selected', 'run'], () => {
     const id = store.get('selected');
     root.hidden = id === null;

@@ -61,6 +61,7 @@ class Large {
     this.shown = picture;
     const name = this.walk.frame(0, picture.frame)?.frame ?? picture.frame;
     this.image.src = source(picture);
+    if (this.walk.size) this.image.style.setProperty('--aspect', String(this.walk.size[0] / this.walk.size[1]));
     this.image.alt = `${kind_name(picture.kind)}, frame ${name}`;
     this.caption.textContent = `Frame ${name}`;
     const same = this.walk.pictures.filter((other) => other.frame === picture.frame);

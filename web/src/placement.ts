@@ -1,6 +1,7 @@
 // Where things are: object bounds around a common centre (so that single precision is enough far from the origin), the
 // part of the world worth framing, objects that enclose the walk and are drawn as edges only, and the height of a roof.
 import type { Camera, Vector, Walk } from './data.ts';
+import { median } from './figures.ts';
 
 export interface Box {
   lo: Vector;
@@ -16,6 +17,7 @@ export class Placement {
   readonly eyes: Vector[];        // relative to the centre
   readonly frame: Box;            // what to frame, relative to the centre; far outliers may lie outside
   readonly radius: number;
+  readonly grain: number;         // diagonal of a typical object
   readonly enclosing: Uint8Array; // 1 for objects drawn as edges only
   readonly roof: number | null;   // height between the eyes and a ceiling above most of them; null if there is none
 
@@ -32,6 +34,7 @@ export class Placement {
     this.eyes = eyes.map((eye) => this.inward(eye));
     this.frame = { lo: this.inward(frame.lo), hi: this.inward(frame.hi) };
     this.radius = Math.max(1e-3, Math.hypot(...this.frame.hi));
+    this.grain = this.find_grain();
     this.enclosing = this.find_enclosing();
     this.roof = this.find_roof();
   }
@@ -46,24 +49,31 @@ export class Placement {
     return [box[3] - box[0], box[4] - box[1], box[5] - box[2]];
   }
 
-  /** Apex and the four far corners of a view, cut where the framed world ends; relative to the centre. */
-  pyramid(camera: Camera): Vector[] {
+  /** The four near and the four far corners of a view, cut where the framed world ends; relative to the centre. The near
+   *  ones of a perspective view all are its eye. */
+  view_corners(camera: Camera): { near: Vector[]; far: Vector[] } {
     const eye = this.inward(camera.eye);
-    const reach = this.reach(eye, camera.direction);
-    const depth = Math.min(camera.far ?? Infinity, reach);
-    const half_y = Math.tan(camera.fov_y / 2) * depth, half_x = half_y * camera.aspect;
-    const corner = (x: number, y: number) => [0, 1, 2].map((axis) =>
-      eye[axis] + camera.direction[axis] * depth + camera.right[axis] * half_x * x + camera.up[axis] * half_y * y) as Vector;
-    return [eye, corner(-1, -1), corner(1, -1), corner(1, 1), corner(-1, 1)];
+    const depth = Math.min(camera.far ?? Infinity, this.reach(eye, camera.direction));
+    const at = (distance: number) => {
+      const half_y = camera.fov_y ? Math.tan(camera.fov_y / 2) * distance : (camera.span_y ?? 0) / 2, half_x = half_y * camera.aspect;
+      return [[-1, -1], [1, -1], [1, 1], [-1, 1]].map(([x, y]) => [0, 1, 2].map((axis) =>
+        eye[axis] + camera.direction[axis] * distance + camera.right[axis] * half_x * x + camera.up[axis] * half_y * y) as Vector);
+    };
+    return { near: at(camera.fov_y ? 0 : Math.min(camera.near, depth)), far: at(depth) };
   }
 
-  /** The faces of that pyramid, cut to the height of the framed world so that they show where the view runs in it. */
-  pyramid_faces(camera: Camera): Vector[][] {
-    const [eye, a, b, c, d] = this.pyramid(camera);
-    const slack = 0.02 * this.radius;
-    const bottom = Math.min(this.frame.lo[1], eye[1] - slack), top = Math.max(this.frame.hi[1], eye[1]) + slack;
-    const faces = [[eye, a, b], [eye, b, c], [eye, c, d], [eye, d, a], [a, b, c, d]];
-    return faces.map((face) => below(mirrored(below(mirrored(face), -bottom)), top)).filter((face) => face.length > 2);
+  /** The faces of that solid, cut to the framed world and to a height, so that they show where the view runs in it. */
+  view_faces(camera: Camera, height = Infinity): Vector[][] {
+    const { near, far } = this.view_corners(camera);
+    const sides = [0, 1, 2, 3].map((i) => [near[i], ...(camera.fov_y ? [] : [near[(i + 1) % 4]]), far[(i + 1) % 4], far[i]]);
+    let faces = [...sides, far, ...(camera.fov_y ? [] : [near])];
+    const eye = this.inward(camera.eye), slack = 0.03 * this.radius;
+    for (let axis = 0; axis < 3; ++axis) {
+      const top = axis === 1 ? Math.min(this.frame.hi[1], height) : this.frame.hi[axis];
+      const least = Math.min(this.frame.lo[axis], eye[axis]) - slack, most = Math.max(top, eye[axis]) + slack;
+      faces = clip_solid(clip_solid(faces, axis, 1, most), axis, -1, -least);
+    }
+    return faces;
   }
 
   /** How far the framed world goes on from an eye along a direction, at least a tenth of its radius. */
@@ -76,6 +86,11 @@ export class Placement {
       far = Math.max(far, along);
     }
     return far;
+  }
+
+  private find_grain(): number {
+    const diagonals = Array.from({ length: this.count }, (_, id) => Math.hypot(...this.size(id))).filter((length) => length > 0);
+    return median(diagonals) ?? this.radius;
   }
 
   private find_enclosing(): Uint8Array {
@@ -113,18 +128,29 @@ export class Placement {
   }
 }
 
-/** The part of a polygon below a height (Sutherland and Hodgman 1974, for one plane). */
-function below(polygon: Vector[], height: number): Vector[] {
-  return polygon.flatMap((from, index) => {
-    const to = polygon[(index + 1) % polygon.length];
-    const kept = from[1] <= height ? [from] : [];
-    if (from[1] <= height === to[1] <= height) return kept;
-    const part = (height - from[1]) / (to[1] - from[1]);
-    return [...kept, [from[0] + part * (to[0] - from[0]), height, from[2] + part * (to[2] - from[2])] as Vector];
-  });
+/** The part of a convex solid where sign times a coordinate is at most a limit, with the face that the cut makes. */
+function clip_solid(faces: Vector[][], axis: number, sign: number, limit: number): Vector[][] {
+  const kept = faces.map((face) => clip(face, axis, sign, limit)).filter((face) => face.length > 2);
+  if (faces.every((face) => face.every((point) => sign * point[axis] <= limit))) return faces;
+  const near = 1e-9 * Math.max(1, Math.abs(limit)), u = (axis + 1) % 3, v = (axis + 2) % 3;
+  const rim = kept.flat().filter((point) => Math.abs(sign * point[axis] - limit) <= near);
+  const middle = (along: number) => rim.reduce((sum, point) => sum + point[along], 0) / rim.length;
+  const centre = [middle(u), middle(v)];
+  const cap = rim.sort((a, b) => Math.atan2(a[v] - centre[1], a[u] - centre[0]) - Math.atan2(b[v] - centre[1], b[u] - centre[0]));
+  return cap.length > 2 ? [...kept, cap] : kept;
 }
 
-const mirrored = (polygon: Vector[]) => polygon.map((point): Vector => [point[0], -point[1], point[2]]);
+/** The part of a polygon where sign times a coordinate is at most a limit (Sutherland and Hodgman 1974, one plane). */
+function clip(polygon: Vector[], axis: number, sign: number, limit: number): Vector[] {
+  return polygon.flatMap((from, index) => {
+    const to = polygon[(index + 1) % polygon.length];
+    const start = sign * from[axis], end = sign * to[axis];
+    const kept = start <= limit ? [from] : [];
+    if (start <= limit === end <= limit) return kept;
+    const part = (limit - start) / (end - start);
+    return [...kept, from.map((value, i) => value + part * (to[i] - value)) as Vector];
+  });
+}
 
 function sample<T>(all: T[], most: number): T[] {
   if (all.length <= most) return all;

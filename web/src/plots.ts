@@ -4,7 +4,7 @@ import uPlot from 'uplot';
 import type { Walk, WalkFrame } from './data.ts';
 import { choice, colour, element } from './dom.ts';
 import { median } from './figures.ts';
-import { count, short_count, significant } from './format.ts';
+import { count, short_count, short_decimal, significant } from './format.ts';
 import type { Store } from './store.ts';
 
 type Read = (frame: WalkFrame) => number | null | undefined;
@@ -14,6 +14,7 @@ interface PlotKind {
   title: string;
   unit: string;
   format: (value: number | null) => string;
+  mark: (value: number) => string;  // at the axis
   logarithmic: boolean;
   curves: (walk: Walk) => Curve[];
   absent: string;
@@ -24,19 +25,26 @@ const WIDE_SPREAD = 15;  // of the largest to the typical small count, from whic
 
 const PLOTS: PlotKind[] = [
   {
-    title: 'Objects', unit: '', format: (value) => count(value), logarithmic: true, absent: 'No objects were counted.',
+    title: 'Objects', unit: '', format: (value) => count(value), mark: short_count, logarithmic: true, absent: 'No objects were counted.',
     curves: count_curves,
   },
   {
-    title: 'Cull time', unit: 'ms', format: (value) => (value === null ? '–' : `${significant(value)} ms`), logarithmic: false,
+    title: 'Cull time', unit: 'ms', format: (value) => (value === null ? '–' : `${significant(value)} ms`), mark: short_decimal, logarithmic: false,
     absent: 'Cull times were not measured.',
     curves: (walk) => walk.runs.map((run, index) => own(run.method, 'cull', index, walk, '--time', (frame) => frame.cull_ms)),
   },
   {
-    title: 'Triangles submitted', unit: '', format: (value) => short_count(value), logarithmic: false, absent: 'Submitted triangles were not counted.',
+    title: 'Triangles submitted', unit: '', format: (value) => short_count(value), mark: short_count, logarithmic: false, absent: 'Submitted triangles were not counted.',
     curves: (walk) => walk.runs.map((run, index) => own(run.method, 'submitted', index, walk, '--triangles', (frame) => frame.triangles_submitted)),
   },
 ];
+
+/** Marks of the logarithmic axis: zero and powers of ten. */
+function powers(_: uPlot, __: number, ___: number, most: number): number[] {
+  const marks = [0];
+  for (let power = 1; power <= most; power *= 10) marks.push(power);
+  return marks;
+}
 
 /** The curve of one method: named and coloured by the method where there are several, else by what it tells. */
 function own(method: string, what: string, run: number, walk: Walk, single: string, read: Read): Curve {
@@ -131,14 +139,17 @@ class Plot {
       padding: [10, 12, 0, 0],
       cursor: { sync: { key: 'sightline' }, drag: { x: false, y: false }, points: { size: 7 } },
       legend: { live: true, markers: { width: 0, fill: (_, index) => (index ? colour(curves[index - 1].colour) : 'transparent') } },
-      hooks: { ready: [() => this.move_playhead()], setSize: [() => this.move_playhead()] },
+      hooks: { ready: [() => this.move_playhead()], setSize: [() => this.move_playhead()],
+               setCursor: [(plot) => { if ((plot.cursor.left ?? -1) < 0) this.show_values(); }],
+               drawClear: [(plot) => this.shade_losses(plot)] },
       scales: {
         x: { time: false, range: (_, low, high) => (low === high ? [low - 0.5, high + 0.5] : [low, high]) },
         y: this.logarithmic ? { distr: 4, asinh: 1, range: (_, __, high) => [0, high > 0 ? high * 1.3 : 1] } : { range: (_, __, high) => [0, high > 0 ? high * 1.06 : 1] },
       },
       axes: [
         { ...axis, size: 32, values: (_, marks) => marks.map((mark) => (Number.isInteger(mark) ? String(name(mark)) : '')) },
-        { ...axis, size: 58, values: (_, marks) => marks.map((mark) => (mark === null ? null : short_count(mark))) as string[] },
+        { ...axis, size: 58, values: (_, marks) => marks.map((mark) => (mark === null ? null : this.kind.mark(mark))) as string[],
+          ...(this.logarithmic ? { splits: powers } : {}) },
       ],
       series: [
         { label: 'frame', value: (_, index) => (index === null ? '–' : String(name(index))) },
@@ -162,7 +173,20 @@ class Plot {
       scrub(event);
     });
     over.addEventListener('pointermove', (event) => { if (event.buttons & 1) scrub(event); });
-    over.addEventListener('pointerleave', () => this.show_values());
+  }
+
+  /** A column behind every frame in which a method lost something, as high as the plot so that one object is not missed. */
+  private shade_losses(plot: uPlot): void {
+    if (!this.wide) return;
+    const { left, top, width, height } = plot.bbox, column = Math.max(2 * devicePixelRatio, width / Math.max(1, this.walk.frame_count - 1));
+    plot.ctx.save();
+    plot.ctx.fillStyle = `${colour('--lost')}2e`;
+    for (let index = 0; index < this.walk.frame_count; ++index) {
+      if (!this.walk.runs.some((run) => run.frames[index]?.missed)) continue;
+      const x = Math.max(left, plot.valToPos(index, 'x', true) - column / 2);
+      plot.ctx.fillRect(x, top, Math.min(column, left + width - x), height);
+    }
+    plot.ctx.restore();
   }
 
   private move_playhead(): void {

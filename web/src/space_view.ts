@@ -2,26 +2,37 @@
 // fly with and the freeze that lets one look at a culled view from outside. Draws only when something changed.
 import { Raycaster, Scene, Vector2, WebGLRenderer, Color, type Object3D } from 'three';
 import { BoxMaterials, Boxes } from './boxes.ts';
-import { LOST, STATE_NAMES, UNKNOWN, type Camera, type Vector, type Walk } from './data.ts';
+import { LOST, SEEN, STATE_NAMES, UNKNOWN, type Camera, type Vector, type Walk } from './data.ts';
 import { choice, colour, element } from './dom.ts';
 import { Flight, type Mode } from './flight.ts';
-import { significant } from './format.ts';
-import { eye_ball, free, ground, path_line, pyramid_lines } from './lines.ts';
+import { metres } from './format.ts';
+import { eye_ball, free, ground, path_line, view_lines } from './lines.ts';
 import { pick, type Placement } from './placement.ts';
 import type { Store } from './store.ts';
 import { describe_object, Tooltip } from './tooltip.ts';
 
-/** The panel, or null where the browser draws no WebGL. */
-export function space_view(walk: Walk, place: Placement, store: Store): HTMLElement | null {
+/** Where following the eye takes less than this share of the world, an overview shows only dots. */
+const SMALL_WALK = 0.05;
+
+/** More objects than this crawl where the processor draws instead of a graphics card. */
+const MOST_IN_SOFTWARE = 60_000;
+
+export type SpacePanel = { panel: HTMLElement } | { missing: 'no WebGL' | 'too slow' };
+
+/** The panel, or why there is none; `anyway` shows it even if it will be slow. */
+export function space_view(walk: Walk, place: Placement, store: Store, anyway = false): SpacePanel {
   const canvas = element('canvas', { tabindex: 0, 'aria-label': '3-D view of the objects, coloured by state. Drag to turn, click and scroll to zoom.' });
-  let renderer: WebGLRenderer;
-  try {
-    if (!canvas.getContext('webgl2', { antialias: true })) return null;
-    renderer = new WebGLRenderer({ canvas, context: canvas.getContext('webgl2') as WebGL2RenderingContext, antialias: true });
-  } catch {
-    return null;
-  }
-  return new SpaceView(walk, place, store, canvas, renderer).root;
+  const context = canvas.getContext('webgl2', { antialias: true });
+  if (!context) return { missing: 'no WebGL' };
+  if (!anyway && place.count > MOST_IN_SOFTWARE && in_software(context)) return { missing: 'too slow' };
+  const renderer = new WebGLRenderer({ canvas, context, antialias: true });
+  return { panel: new SpaceView(walk, place, store, canvas, renderer).root };
+}
+
+function in_software(context: WebGL2RenderingContext): boolean {
+  const names = context.getExtension('WEBGL_debug_renderer_info');
+  const name = context.getParameter(names ? names.UNMASKED_RENDERER_WEBGL : context.RENDERER);
+  return /swiftshader|llvmpipe|softpipe|software|basic render/i.test(String(name));
 }
 
 class SpaceView {
@@ -44,7 +55,7 @@ class SpaceView {
 
   constructor(private readonly walk: Walk, private readonly place: Placement, private readonly store: Store,
               private readonly canvas: HTMLCanvasElement, private readonly renderer: WebGLRenderer) {
-    this.flight = new Flight(canvas, place, () => this.wake(), () => this.cameras.show(null as never));
+    this.flight = new Flight(canvas, place, this.current(), () => this.wake(), () => this.cameras.show(null));
     this.boxes = this.make_boxes();
     for (const boxes of this.boxes) this.scene.add(boxes.object);
     this.cameras = choice<Mode>('Camera', [
@@ -55,6 +66,10 @@ class SpaceView {
     ], 'overview', (mode) => this.go(mode));
     this.root = this.lay_out();
     this.listen();
+    if (this.flight.follow_distance < SMALL_WALK * place.radius && this.current()) {
+      this.cameras.show('follow');
+      this.flight.mode = 'follow';
+    }
   }
 
   private make_boxes(): Boxes[] {
@@ -75,7 +90,10 @@ class SpaceView {
       if (frozen !== null) this.banner.textContent =
         `Culling frozen at frame ${this.walk.frame(this.store.get('run'), frozen)?.frame ?? frozen}. Turn, zoom or scrub on: the colours stay.`;
     });
-    if (!this.walk.has_states(0)) freeze.disabled = true;
+    freeze.disabled = !this.walk.has_states(0);
+    const view = this.walk.camera(0, 0);
+    for (const mode of ['follow', 'eye'])
+      this.cameras.button(mode as Mode).disabled = !view || (mode === 'eye' && !view.fov_y);
     const stage = element('div', { class: 'stage' }, this.canvas, this.image_edge, this.banner, this.scale, this.tooltip.root);
     return element('div', { class: 'panel space' }, element('div', { class: 'bar' }, this.cameras.root, freeze), stage);
   }
@@ -86,6 +104,7 @@ class SpaceView {
     store.on(['shown', 'cut', 'theme'], () => {
       this.look.shown.value = store.get('shown').map(Number);
       this.place_cut();
+      this.show_lines();
       this.wake();
     });
     store.on(['frame', 'frozen', 'run', 'theme'], () => this.show_frame());
@@ -117,9 +136,9 @@ class SpaceView {
     return camera && eye ? { ...camera, eye } : camera;
   }
 
-  private frozen_or_current(): Camera | null {
-    const frozen = this.store.get('frozen');
-    return this.walk.camera(this.store.get('run'), frozen ?? this.store.get('frame'));
+  /** The camera of the states shown. */
+  private state_camera(): Camera | null {
+    return this.walk.state_camera(this.store.get('run'), this.store.state_frame);
   }
 
   private go(mode: Mode): void {
@@ -137,14 +156,24 @@ class SpaceView {
       return;
     }
     this.store.set({ frozen: this.store.get('frame') });
-    const view = this.frozen_or_current();
-    if (view) this.take(() => this.flight.fly_out(view));
+    const view = this.state_camera();
+    if (view) this.take(() => this.flight.fly_out(view, this.seen_reach(view)));
+  }
+
+  /** How far from an eye what is seen in its frame reaches, but for the last tenth. */
+  private seen_reach(view: Camera): number {
+    const states = this.states(), eye = this.place.inward(view.eye), box = this.place.local;
+    const distances: number[] = [];
+    for (let id = 0; states && id < this.place.count; ++id)
+      if (states[id] === SEEN && !this.place.enclosing[id])
+        distances.push(Math.hypot(...[0, 1, 2].map((axis) => (box[6 * id + axis] + box[6 * id + 3 + axis]) / 2 - eye[axis])));
+    return distances.sort((a, b) => a - b)[Math.floor(0.9 * distances.length)] ?? 0.3 * this.place.radius;
   }
 
   /** Moves the camera out of the modes that are bound to the walk. */
   private take(move: () => void): void {
     move();
-    this.cameras.show(null as never);
+    this.cameras.show(null);
     this.place_cut();
     this.frame_image();
     this.show_lines();
@@ -156,13 +185,13 @@ class SpaceView {
     this.scene.background = new Color(colour('--space'));
     for (const line of this.lines) free(line);
     const grid = ground(this.place.radius, this.place.frame.lo[1]);
-    this.scale.textContent = `grid ${significant(grid.userData.cell).replace(/\.0+$/, '')} m`;
+    this.scale.textContent = `grid ${metres(grid.userData.cell)}`;
     this.lines = [grid, path_line(this.place.eyes)];
     this.scene.add(...this.lines);
   }
 
   private show_frame(): void {
-    const run = this.store.get('run'), view = this.frozen_or_current();
+    const run = this.store.get('run'), view = this.state_camera();
     const states = view && this.walk.states(run, view.frame);
     for (const boxes of this.boxes) boxes.show_states(states);
     this.show_lost(states);
@@ -187,10 +216,11 @@ class SpaceView {
     for (const line of this.view_lines) free(line);
     this.view_lines = [];
     const through_eye = this.flight.mode === 'eye';
-    const bold = this.frozen_or_current(), now = this.current();
+    const bold = this.state_camera(), now = this.current();
+    const own = bold?.frame === this.store.get('frame');
     const add = (line: Object3D) => { this.view_lines.push(line); this.scene.add(line); };
-    if (bold && Number.isFinite(bold.fov_y) && !(through_eye && this.store.get('frozen') === null)) add(pyramid_lines(this.place.pyramid_faces(bold), true));
-    if (now && this.store.get('frozen') !== null && !through_eye) add(pyramid_lines(this.place.pyramid_faces(now), false));
+    if (bold && !(through_eye && (own || this.store.get('frozen') === null))) add(view_lines(this.place.view_faces(bold, this.look.cut.value), true));
+    if (now && !own && !through_eye) add(view_lines(this.place.view_faces(now, this.look.cut.value), false));
     const eye = this.walk.frame(this.store.get('run'), this.store.get('frame'))?.eye;
     if (eye && !through_eye) {
       const ball = eye_ball();
@@ -238,7 +268,7 @@ class SpaceView {
   }
 
   private states(): Uint8Array | null {
-    const view = this.frozen_or_current();
+    const view = this.state_camera();
     return view && this.walk.states(this.store.get('run'), view.frame);
   }
 

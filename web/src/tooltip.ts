@@ -9,16 +9,18 @@ export class Tooltip {
   private readonly text = element('span');
   readonly root = element('div', { class: 'tooltip', hidden: true, role: 'tooltip' }, this.swatch, this.text);
 
-  /** Beside the pointer, on the side where there is room. */
+  /** Beside the pointer, within the stage: it wraps where the stage is narrow. */
   show(event: MouseEvent, text: string, state_name: string): void {
     const stage = (this.root.offsetParent ?? this.root.parentElement) as HTMLElement;
-    const { left, top, width } = stage.getBoundingClientRect();
+    const { left, top, width, height } = stage.getBoundingClientRect();
     const x = event.clientX - left, y = event.clientY - top;
     this.root.hidden = false;
     this.swatch.style.background = `var(--${state_name})`;
     this.text.textContent = text;
-    const own = this.root.offsetWidth;
-    this.root.style.transform = `translate(${Math.round(x + own + 20 > width ? x - own - 12 : x + 14)}px, ${Math.round(y + 14)}px)`;
+    this.root.style.maxWidth = `${width - 12}px`;
+    const { offsetWidth: wide, offsetHeight: tall } = this.root;
+    const across = Math.max(6, Math.min(x + 14, width - wide - 6)), down = y + 18 + tall > height ? y - tall - 10 : y + 18;
+    this.root.style.transform = `translate(${Math.round(across)}px, ${Math.round(down)}px)`;
   }
 
   hide(): void {

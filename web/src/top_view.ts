@@ -2,7 +2,7 @@
 // Drag to move, click and scroll to zoom; hovering names the object.
 import { EXTRA, HIDDEN, LOST, OUTSIDE, SEEN, STATE_NAMES, UNKNOWN, type Vector, type Walk } from './data.ts';
 import { colour, element } from './dom.ts';
-import { significant } from './format.ts';
+import { metres } from './format.ts';
 import type { Placement } from './placement.ts';
 import type { Store } from './store.ts';
 import { describe_object, Tooltip } from './tooltip.ts';
@@ -84,7 +84,7 @@ class TopView {
   }
 
   private states(): Uint8Array | null {
-    const camera = this.walk.camera(this.store.get('run'), this.store.state_frame);
+    const camera = this.walk.state_camera(this.store.get('run'), this.store.state_frame);
     return camera && this.walk.states(this.store.get('run'), camera.frame);
   }
 
@@ -165,9 +165,9 @@ class TopView {
   }
 
   private draw_view(context: CanvasRenderingContext2D, x: (v: number) => number, y: (v: number) => number): void {
-    const camera = this.walk.camera(this.store.get('run'), this.store.state_frame);
-    if (camera && Number.isFinite(camera.fov_y)) {
-      const outline = hull(this.place.pyramid(camera).map((corner: Vector) => [x(corner[0]), y(corner[2])]));
+    const camera = this.walk.state_camera(this.store.get('run'), this.store.state_frame);
+    if (camera) {
+      const outline = hull(this.place.view_faces(camera).flat().map((corner: Vector) => [x(corner[0]), y(corner[2])]));
       context.beginPath();
       outline.forEach(([a, b], index) => (index ? context.lineTo(a, b) : context.moveTo(a, b)));
       context.closePath();
@@ -202,7 +202,7 @@ class TopView {
   private draw_scale(scale: number): void {
     const rough = 90 / scale, power = 10 ** Math.floor(Math.log10(rough));
     const length = [5, 2, 1].map((step) => step * power).find((step) => step <= rough) ?? power;
-    this.scale.textContent = `${significant(length).replace(/\.0+$/, '')} m`;
+    this.scale.textContent = metres(length);
     this.scale.style.setProperty('--length', `${length * scale}px`);
     this.scale.classList.add('ruler');
   }

@@ -116,7 +116,7 @@ class OcclusionMasked final : public Culler {
     for (const Occluder& occluder : occluders_) {
       const Object& object = scene_.objects()[occluder.id];
       const auto triangles = static_cast<std::int64_t>(scene_.meshes()[object.mesh].triangles.size());
-      if (triangles > budget) continue;
+      if (triangles > budget || !buffer_.may_be_seen(object.bounds)) continue;
       budget -= triangles;
       buffer_.add_occluder(meshes_[object.mesh], object.transform);
     }

@@ -1,5 +1,8 @@
 #include "sightline/raster/occluder_mesh.hpp"
 
+#include <algorithm>
+#include <numeric>
+
 #include "sightline/scene/topology.hpp"
 
 namespace sightline {
@@ -10,6 +13,55 @@ constexpr std::size_t padding = 16;
 template <class T>
 void pad(std::vector<T>& array, T value) {
   array.resize(array.size() + padding, value);
+}
+
+/// Disjoint sets of numbers 0 .. n-1 (Tarjan 1975), the least number of each stands for it.
+class DisjointSets {
+ public:
+  explicit DisjointSets(std::size_t count) : parent_(count) { std::iota(parent_.begin(), parent_.end(), 0u); }
+  std::uint32_t find(std::uint32_t i) {
+    while (parent_[i] != i) i = parent_[i] = parent_[parent_[i]];
+    return i;
+  }
+  void join(std::uint32_t a, std::uint32_t b) {
+    a = find(a);
+    b = find(b);
+    parent_[std::max(a, b)] = std::min(a, b);
+  }
+
+ private:
+  std::vector<std::uint32_t> parent_;
+};
+
+/// For every triangle with area its component, numbered by first appearance; no_triangle for the others. Triangles hang
+/// together if they share an edge, however many others share it too.
+std::vector<std::uint32_t> components(const Topology& topology, std::uint32_t& count) {
+  const auto triangles = static_cast<std::uint32_t>(topology.triangle_edges.size());
+  DisjointSets sets(triangles + topology.edges.size());
+  for (std::uint32_t t = 0; t < triangles; ++t)
+    for (int side = 0; side < 3; ++side)
+      if (topology.triangle_edges[t][side] != no_triangle) sets.join(t, triangles + topology.triangle_edges[t][side]);
+  std::vector<std::uint32_t> component(triangles, no_triangle);
+  count = 0;
+  for (std::uint32_t t = 0; t < triangles; ++t) {
+    if (topology.triangle_edges[t].x == no_triangle) continue;
+    const std::uint32_t root = sets.find(t);  // the least of its set, so never behind t
+    component[t] = root == t ? count++ : component[root];
+  }
+  return component;
+}
+
+/// Indices 0 .. keys.size()-1 ordered by key, those with key no_triangle left out; begin[k] is where key k starts.
+std::vector<std::uint32_t> order_by(const std::vector<std::uint32_t>& keys, std::uint32_t count,
+                                    std::vector<std::uint32_t>& begin) {
+  begin.assign(count + 1, 0);
+  for (const std::uint32_t key : keys)
+    if (key != no_triangle) ++begin[key + 1];
+  std::partial_sum(begin.begin(), begin.end(), begin.begin());
+  std::vector<std::uint32_t> order(begin.back()), next = begin;
+  for (std::uint32_t i = 0; i < keys.size(); ++i)
+    if (keys[i] != no_triangle) order[next[keys[i]]++] = i;
+  return order;
 }
 
 }  // namespace
@@ -31,22 +83,25 @@ OccluderMesh make_occluder(std::span<const glm::vec3> positions, std::span<const
     }
     return renamed[v];
   };
+  std::uint32_t count = 0;
+  const std::vector<std::uint32_t> component = components(topology, count);
   std::vector<std::int32_t> kept(triangles.size(), -1);
-  for (std::size_t t = 0; t < triangles.size(); ++t) {
-    if (topology.triangle_edges[t].x == no_triangle) continue;
+  for (const std::uint32_t t : order_by(component, count, mesh.triangle_begin)) {
     kept[t] = static_cast<std::int32_t>(mesh.corner0.size());
     mesh.corner0.push_back(vertex(triangles[t].x));
     mesh.corner1.push_back(vertex(triangles[t].y));
     mesh.corner2.push_back(vertex(triangles[t].z));
   }
   const auto nothing = static_cast<std::int32_t>(mesh.corner0.size());
-  for (const MeshEdge& edge : topology.edges) {
+  std::vector<std::uint32_t> edge_component;
+  for (const MeshEdge& edge : topology.edges) edge_component.push_back(component[edge.triangles[0]]);
+  for (const std::uint32_t e : order_by(edge_component, count, mesh.edge_begin)) {
+    const MeshEdge& edge = topology.edges[e];
     mesh.edge_from.push_back(vertex(edge.from));
     mesh.edge_to.push_back(vertex(edge.to));
-    mesh.edge_first.push_back(kept[edge.triangles[0]]);
+    mesh.edge_first.push_back(edge.count <= 2 ? kept[edge.triangles[0]] : nothing + 1);
     mesh.edge_second.push_back(edge.count == 2 ? kept[edge.triangles[1]] : nothing);
     mesh.edge_winding.push_back(edge.forward == 1 ? 1.0f : -1.0f);
-    if (edge.count > 2) mesh.edge_first.back() = nothing + 1;  // always a contour
   }
   mesh.vertex_count = static_cast<std::uint32_t>(mesh.x.size());
   mesh.triangle_count = static_cast<std::uint32_t>(mesh.corner0.size());

@@ -147,7 +147,6 @@ void OcclusionBuffer::add_occluder(const OccluderMesh& mesh, const Affine& trans
     const raster::ClipTransform t{eye, rows, {s.centre_x, s.centre_y}, s.near, guard, s.perspective};
     raster::draw_clipped(mesh, t, mirrored, margins, *s.kernels, s.tiles, filled);
   }
-  s.kernels->commit(s.tiles);
   s.counts.triangles_filled += filled.triangles;
   s.counts.tiles_filled += filled.tiles;
   s.counts.contour_edges += filled.contour_edges;

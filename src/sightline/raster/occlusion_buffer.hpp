@@ -31,7 +31,7 @@ class OcclusionBuffer {
   /// matter. Nothing happens for a singular transform.
   void add_occluder(const OccluderMesh& mesh, const Affine& transform);
 
-  /// Ends the occluders; only now may boxes be tested.
+  /// Makes tests fast after the last occluder. Tests before it are as right.
   void finish();
 
   /// False only if no point of the box (world space) can be seen between near plane and occluders; true if it may be.

@@ -25,21 +25,31 @@ class Clipper {
 
   void draw(bool mirrored) {
     facing_.assign(mesh_.triangle_count + 2, 0.0);
-    facing_[mesh_.triangle_count + 1] = 1.0;
-    for (std::size_t i = 0; i < mesh_.triangle_count; ++i) {
-      const Point &a = corner(mesh_.corner0, i), &b = corner(mesh_.corner1, i), &c = corner(mesh_.corner2, i);
-      double facing = -signed_area(a, b, c);
-      if (mirrored) facing = -facing;
-      if (mesh_.closed && facing < 0) facing = 0;
-      facing_[i] = facing;
-      if (facing != 0) draw_triangle(a, b, c);
-    }
-    for (std::size_t e = 0; e < mesh_.edge_count; ++e)
-      if (is_contour(e)) mark(corner(mesh_.edge_from, e), corner(mesh_.edge_to, e), 0);
+    for (std::size_t i = 0; i < mesh_.triangle_count; ++i) facing_[i] = facing(i, mirrored);
+    draw_side(1.0);
+    if (!mesh_.closed) draw_side(-1.0);
   }
 
  private:
   static constexpr int planes = 5;  // near, then the four sides of the guard band
+
+  void draw_side(double sign) {
+    facing_[mesh_.triangle_count + 1] = sign;
+    for (std::size_t c = 0; c + 1 < mesh_.triangle_begin.size(); ++c) {
+      for (std::size_t i = mesh_.triangle_begin[c]; i < mesh_.triangle_begin[c + 1]; ++i)
+        if (facing_[i] * sign > 0)
+          draw_triangle(corner(mesh_.corner0, i), corner(mesh_.corner1, i), corner(mesh_.corner2, i));
+      for (std::size_t e = mesh_.edge_begin[c]; e < mesh_.edge_begin[c + 1]; ++e)
+        if (is_contour(e, sign)) mark(corner(mesh_.edge_from, e), corner(mesh_.edge_to, e), 0);
+      kernels_.commit(tiles_);
+    }
+  }
+
+  /// > 0 front, < 0 back, 0 without area; as in the kernels.
+  [[nodiscard]] double facing(std::size_t i, bool mirrored) const {
+    const double area = signed_area(corner(mesh_.corner0, i), corner(mesh_.corner1, i), corner(mesh_.corner2, i));
+    return mirrored ? area : -area;
+  }
 
   [[nodiscard]] const Point& corner(const std::vector<std::int32_t>& list, std::size_t i) const {
     return points_[static_cast<std::size_t>(list[i])];
@@ -50,11 +60,10 @@ class Clipper {
     return glm::dot(glm::dvec3(a.x, a.y, a.w), glm::cross(glm::dvec3(b.x, b.y, b.w), glm::dvec3(c.x, c.y, c.w)));
   }
 
-  [[nodiscard]] bool is_contour(std::size_t e) const {
-    const double f0 = facing_[static_cast<std::size_t>(mesh_.edge_first[e])];
-    const double f1 =
-        facing_[static_cast<std::size_t>(mesh_.edge_second[e])] * static_cast<double>(mesh_.edge_winding[e]);
-    return (f0 != 0 || f1 != 0) && !((f0 > 0 && f1 > 0) || (f0 < 0 && f1 < 0));
+  [[nodiscard]] bool is_contour(std::size_t e, double sign) const {
+    const bool first = facing_[static_cast<std::size_t>(mesh_.edge_first[e])] * sign > 0;
+    const bool second = facing_[static_cast<std::size_t>(mesh_.edge_second[e])] * sign > 0;
+    return (first || second) && !(first && second && mesh_.edge_winding[e] > 0);
   }
 
   [[nodiscard]] double side(int plane, const Point& p) const {

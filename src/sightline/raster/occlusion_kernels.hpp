@@ -60,13 +60,13 @@ struct FillCounts {
 /// Room for one occluder's projected vertices, facing and lists; grows, is reused.
 struct Scratch {
   std::vector<float> x, y, near, facing;
-  std::vector<std::int32_t> list;
+  std::vector<std::int32_t> list, edge_list;
 };
 
 struct Kernels {
   const char* target;
-  /// Draws a whole mesh that lies in front of the near plane and within the guard band. `mirrored`: the transform turns
-  /// front faces into back faces.
+  /// Draws and commits a whole mesh that lies in front of the near plane and within the guard band. `mirrored`: the
+  /// transform turns front faces into back faces.
   void (*draw_mesh)(const OccluderMesh&, const ScreenTransform&, bool mirrored, const Margins&, Tiles&, Scratch&,
                     FillCounts&);
   /// Draws one triangle / marks one contour edge of an occluder that needed clipping. Corners within the guard band.

@@ -6,6 +6,7 @@
 #include <array>
 
 #include "sightline/scene/input_error.hpp"
+#include "sightline/scene/load/gltf_meshopt.hpp"
 
 namespace sightline {
 
@@ -15,8 +16,9 @@ namespace {
 constexpr std::uint64_t base_allowance = std::uint64_t{1} << 30;
 constexpr std::uint64_t growth = 64;
 
-constexpr std::array<std::string_view, 1> used_extensions = {
-    "KHR_materials_transmission",
+constexpr std::array<std::string_view, 5> used_extensions = {
+    "EXT_mesh_gpu_instancing", "EXT_meshopt_compression",    "KHR_draco_mesh_compression",
+    "KHR_mesh_quantization",   "KHR_materials_transmission",
 };
 
 /// Extensions that only change how surfaces look, which we do not draw.
@@ -60,7 +62,7 @@ void GltfDocument::check_extensions() {
 
 void GltfDocument::spend(std::uint64_t bytes, const JsonObject& what) {
   if (bytes > allowance_ - spent_) {
-    what.fail("the file asks for more than " + std::to_string(allowance_ >> 20) + " MiB of geometry");
+    what.fail("the file asks for more than " + std::to_string(allowance_ >> 20) + " MiB");
   }
   spent_ += bytes;
 }
@@ -113,7 +115,31 @@ std::span<const std::byte> GltfDocument::range(const JsonObject& view) {
   return bytes.subspan(static_cast<std::size_t>(offset), static_cast<std::size_t>(length));
 }
 
-std::span<const std::byte> GltfDocument::view(std::size_t index) { return range(item("bufferViews", index)); }
+std::span<const std::byte> GltfDocument::view(std::size_t index) {
+  const JsonObject view = item("bufferViews", index);
+  const std::optional<JsonObject> meshopt = gltf_extension(view, "EXT_meshopt_compression");
+  if (!meshopt) return range(view);
+  auto entry = decoded_.find(index);
+  if (entry == decoded_.end()) {
+    spend(meshopt_size(*meshopt), *meshopt);
+    entry = decoded_.emplace(index, decode_meshopt(*meshopt, range(*meshopt))).first;
+  }
+  return entry->second;
+}
+
+void GltfDocument::warn(const std::string& what, const std::string& where) {
+  ++warnings_.try_emplace(what, Warning{where, 0}).first->second.count;
+}
+
+std::vector<std::string> GltfDocument::warnings() const {
+  std::vector<std::string> lines;
+  for (const auto& [what, warning] : warnings_) {
+    std::string line = warning.where;
+    if (warning.count > 1 && !line.empty()) line += " and " + std::to_string(warning.count - 1) + " more";
+    lines.push_back(line.empty() ? what : line + ": " + what);
+  }
+  return lines;
+}
 
 std::optional<JsonObject> gltf_extension(const JsonObject& object, std::string_view name) {
   const std::optional<JsonObject> extensions = object.object("extensions");

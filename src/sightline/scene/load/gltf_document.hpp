@@ -35,10 +35,17 @@ class GltfDocument {
   /// than the file can be meant to hold, so that a small file cannot ask for all memory.
   void spend(std::uint64_t bytes, const JsonObject& what);
 
-  void warn(std::string line) { warnings_.push_back(std::move(line)); }
-  [[nodiscard]] const std::vector<std::string>& warnings() const { return warnings_; }
+  /// Notes that something is not used. Of the same kind of thing only the first place and their number are kept.
+  void warn(const std::string& what, const std::string& where = {});
+  /// One line for each kind of thing.
+  [[nodiscard]] std::vector<std::string> warnings() const;
 
  private:
+  struct Warning {
+    std::string where;
+    std::size_t count;
+  };
+
   void check_version() const;
   void check_extensions();
   std::span<const std::byte> buffer(std::size_t index);
@@ -49,10 +56,11 @@ class GltfDocument {
   Bytes bytes_;
   GltfChunks chunks_;
   nlohmann::json json_;
-  std::map<std::size_t, Bytes> buffers_;
+  std::map<std::size_t, Bytes> buffers_;  // external ones and data URIs, by number
+  std::map<std::size_t, Bytes> decoded_;  // compressed buffer views, by number
   std::uint64_t spent_ = 0;
   std::uint64_t allowance_;
-  std::vector<std::string> warnings_;
+  std::map<std::string, Warning> warnings_;
 };
 
 /// The extension of that name; nothing if `object` does not have it.

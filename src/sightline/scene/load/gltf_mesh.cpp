@@ -4,9 +4,9 @@
 #include <algorithm>
 #include <numeric>
 #include <string>
-#include <utility>
 
 #include "sightline/scene/load/gltf_accessor.hpp"
+#include "sightline/scene/load/gltf_draco.hpp"
 
 namespace sightline {
 
@@ -14,7 +14,9 @@ static_assert(sizeof(glm::uvec3) == 3 * sizeof(std::uint32_t));
 
 namespace {
 
-constexpr std::uint64_t mode_triangles = 4, mode_strip = 5, mode_fan = 6;
+constexpr std::uint64_t mode_triangles = 4, mode_fan = 6;  // and strips between
+constexpr std::uint64_t mode_draco = 7;                    // none of glTF's, marks the key of compressed primitives
+constexpr std::uint64_t most_draco_id = 0xFFFFFFFFu;
 constexpr std::size_t no_accessor = static_cast<std::size_t>(-1);
 
 std::string mesh_name(const JsonObject& mesh, std::size_t index) {
@@ -77,7 +79,7 @@ std::vector<GltfMeshes::Part> GltfMeshes::read_parts(std::size_t index) {
     const JsonObject primitive = mesh.item("primitives", p);
     const bool opaque = is_opaque(primitive);
     if (const auto id = read_geometry(primitive, name)) parts.push_back({*id, static_cast<std::int32_t>(p), opaque});
-    if (primitive.count("targets") > 0) document_.warn(primitive.place() + ": morph targets are not used");
+    if (primitive.count("targets") > 0) document_.warn("morph targets are not used", primitive.place());
   }
   return parts;
 }
@@ -87,22 +89,41 @@ std::optional<MeshId> GltfMeshes::read_geometry(const JsonObject& primitive, con
   const std::optional<JsonObject> attributes = primitive.object("attributes");
   const auto position = attributes ? attributes->reference("POSITION", uses_.size()) : std::nullopt;
   if (mode < mode_triangles || !position) {
-    document_.warn(primitive.place() + (position ? ": points and lines are left out" : ": has no positions, left out"));
+    document_.warn(position ? "points and lines are left out" : "has no positions, left out", primitive.place());
     return std::nullopt;
   }
-  const Key key{*position, primitive.reference("indices", uses_.size()).value_or(no_accessor), mode};
+  const std::optional<JsonObject> draco = gltf_extension(primitive, "KHR_draco_mesh_compression");
+  const Key key = draco ? draco_key(*draco)
+                        : Key{mode, *position, primitive.reference("indices", uses_.size()).value_or(no_accessor)};
   if (const auto known = geometry_.find(key); known != geometry_.end()) return known->second;
 
-  Mesh mesh = uses_[*position] == 1 ? read_alone(primitive, *position, mode) : read_shared(primitive, *position, mode);
+  Mesh mesh = draco                   ? read_draco(*draco, key)
+              : uses_[*position] == 1 ? read_alone(primitive, *position, mode)
+                                      : read_shared(primitive, *position, mode);
   std::optional<MeshId> id;
   if (mesh.triangles.empty()) {
-    document_.warn(primitive.place() + ": has no triangles, left out");
+    document_.warn("has no triangles, left out", primitive.place());
   } else {
     mesh.name = name;
     id = builder_.add_mesh(std::move(mesh));
   }
   geometry_.emplace(key, id);
   return id;
+}
+
+GltfMeshes::Key GltfMeshes::draco_key(const JsonObject& draco) const {
+  const auto view = draco.reference("bufferView", document_.count("bufferViews"));
+  if (!view) draco.fail("bufferView", "is missing");
+  const std::optional<JsonObject> attributes = draco.object("attributes");
+  if (!attributes) draco.fail("attributes", "is missing");
+  return {mode_draco, *view, static_cast<std::size_t>(attributes->required_integer("POSITION", most_draco_id))};
+}
+
+Mesh GltfMeshes::read_draco(const JsonObject& draco, const Key& key) {
+  const auto& [mode, view, position] = key;
+  Mesh mesh = decode_draco(draco, document_.view(view), static_cast<std::uint32_t>(position));
+  document_.spend((mesh.positions.size() + mesh.triangles.size()) * sizeof(glm::vec3), draco);
+  return mesh;
 }
 
 Mesh GltfMeshes::read_alone(const JsonObject& primitive, std::size_t position, std::uint64_t mode) {
@@ -113,36 +134,14 @@ Mesh GltfMeshes::read_alone(const JsonObject& primitive, std::size_t position, s
 }
 
 Mesh GltfMeshes::read_shared(const JsonObject& primitive, std::size_t position, std::uint64_t mode) {
-  auto entry = shared_.find(position);
-  if (entry == shared_.end()) {
-    SharedPoints points{read_points(document_, position), {}, {}};
-    document_.spend(points.points.size() * sizeof(std::uint64_t), primitive);
-    points.new_index.resize(points.points.size());
-    points.seen_by.resize(points.points.size());
-    entry = shared_.emplace(position, std::move(points)).first;
+  auto pool = shared_.find(position);
+  if (pool == shared_.end()) {
+    pool = shared_.emplace(position, VertexPool(read_points(document_, position))).first;
+    document_.spend(pool->second.size() * sizeof(std::uint64_t), primitive);
   }
-  SharedPoints& shared = entry->second;
-  Mesh mesh;
-  mesh.triangles = read_triangles(primitive, shared.points.size(), mode);
-  document_.spend(std::uint64_t{mesh.triangles.size()} * 3 * sizeof(glm::vec3), primitive);
-  // Work goes with the triangles of this primitive, not with the vertices of all; the order of the vertices stays.
-  const std::uint32_t number = ++shared.meshes;
-  std::vector<std::uint32_t> used;
-  for (const glm::uvec3& triangle : mesh.triangles) {
-    for (int corner = 0; corner < 3; ++corner) {
-      const std::uint32_t vertex = triangle[corner];
-      if (std::exchange(shared.seen_by[vertex], number) != number) used.push_back(vertex);
-    }
-  }
-  std::ranges::sort(used);
-  for (const std::uint32_t vertex : used) {
-    shared.new_index[vertex] = static_cast<std::uint32_t>(mesh.positions.size());
-    mesh.positions.push_back(shared.points[vertex]);
-  }
-  for (glm::uvec3& triangle : mesh.triangles) {
-    for (int corner = 0; corner < 3; ++corner) triangle[corner] = shared.new_index[triangle[corner]];
-  }
-  return mesh;
+  std::vector<glm::uvec3> triangles = read_triangles(primitive, pool->second.size(), mode);
+  document_.spend(std::uint64_t{triangles.size()} * 3 * sizeof(glm::vec3), primitive);
+  return pool->second.mesh_of(std::move(triangles));
 }
 
 std::vector<glm::uvec3> GltfMeshes::read_triangles(const JsonObject& primitive, std::size_t points,
@@ -162,8 +161,7 @@ std::vector<glm::uvec3> GltfMeshes::read_triangles(const JsonObject& primitive, 
                    "vertex " + std::to_string(largest) + " is beyond the " + std::to_string(points) + " there are");
   }
   if (mode == mode_triangles && corners.size() % 3 != 0) {
-    document_.warn(primitive.place() + ": the last " + std::to_string(corners.size() % 3) +
-                   " corners make no triangle");
+    document_.warn("the last corners make no triangle", primitive.place());
   }
   document_.spend(std::uint64_t{corners.size()} * sizeof(glm::uvec3), primitive);
   return assemble(corners, mode);

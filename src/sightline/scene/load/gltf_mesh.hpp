@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "sightline/scene/load/gltf_document.hpp"
+#include "sightline/scene/load/vertex_pool.hpp"
 #include "sightline/scene/scene.hpp"
 
 namespace sightline {
@@ -31,18 +32,13 @@ class GltfMeshes {
 
  private:
   /// Which geometry a primitive shows: two with the same key share a Mesh, whatever their materials.
-  using Key = std::tuple<std::size_t, std::size_t, std::uint64_t>;
-  /// Positions of an accessor that several primitives use.
-  struct SharedPoints {
-    std::vector<glm::vec3> points;
-    std::vector<std::uint32_t> new_index;  // of a vertex in the mesh that is being made
-    std::vector<std::uint32_t> seen_by;    // number of the last mesh that used the vertex
-    std::uint32_t meshes = 0;
-  };
-
+  /// (mode, position accessor, index accessor), or for Draco (its mark, buffer view, attribute id).
+  using Key = std::tuple<std::uint64_t, std::size_t, std::size_t>;
   void count_uses();
   std::vector<Part> read_parts(std::size_t index);
   std::optional<MeshId> read_geometry(const JsonObject& primitive, const std::string& name);
+  [[nodiscard]] Key draco_key(const JsonObject& draco) const;
+  Mesh read_draco(const JsonObject& draco, const Key& key);
   Mesh read_alone(const JsonObject& primitive, std::size_t position, std::uint64_t mode);
   Mesh read_shared(const JsonObject& primitive, std::size_t position, std::uint64_t mode);
   std::vector<glm::uvec3> read_triangles(const JsonObject& primitive, std::size_t points, std::uint64_t mode);
@@ -52,8 +48,8 @@ class GltfMeshes {
   SceneBuilder& builder_;
   std::vector<std::optional<std::vector<Part>>> parts_;
   std::map<Key, std::optional<MeshId>> geometry_;
-  std::vector<std::uint32_t> uses_;  // how many primitives use an accessor as positions
-  std::map<std::size_t, SharedPoints> shared_;
+  std::vector<std::uint32_t> uses_;           // how many primitives use an accessor as positions
+  std::map<std::size_t, VertexPool> shared_;  // positions that several primitives use, by accessor
 };
 
 }  // namespace sightline

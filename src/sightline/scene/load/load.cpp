@@ -1,6 +1,7 @@
 // Which reader a scene file gets.
 #include "sightline/scene/load/load.hpp"
 
+#include <array>
 #include <new>
 #include <stdexcept>
 
@@ -10,6 +11,8 @@
 namespace sightline {
 
 namespace {
+
+constexpr std::array<std::string_view, 6> assimp_extensions = {".ply", ".stl", ".dae", ".fbx", ".3ds", ".ifc"};
 
 std::string lower_extension(const std::filesystem::path& file) {
   std::string extension = file.extension().string();
@@ -22,7 +25,12 @@ std::string lower_extension(const std::filesystem::path& file) {
 LoadedScene dispatch(const std::filesystem::path& file) {
   const std::string extension = lower_extension(file);
   if (extension == ".glb" || extension == ".gltf") return read_gltf(file, read_file(file));
-  throw InputError(file.string(), "", in_quotes(extension) + " is neither .glb nor .gltf");
+  if (extension == ".obj") return read_obj(file, read_file(file));
+  for (const std::string_view known : assimp_extensions) {
+    if (extension == known) return read_with_assimp(file);
+  }
+  throw InputError(file.string(), "",
+                   in_quotes(extension) + " is none of .glb .gltf .obj .ply .stl .dae .fbx .3ds .ifc");
 }
 
 }  // namespace

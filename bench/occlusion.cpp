@@ -1,0 +1,229 @@
+// bench_occlusion [scene.glb occluders.txt viewpoints.txt]: the occlusion buffer by itself. Occluder fill, box queries,
+// and what the answers are worth: boxes called hidden that a ray can see (must be 0), and the share of the truly hidden
+// ones that is found. Contenders: the machine's SIMD loops beside the scalar ones, at three resolutions. Without
+// arguments the castle of shared/scenes beside the checkout; exits 1 if an answer is wrong, before anything is timed.
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <ctime>
+#include <fstream>
+#include <set>
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include "sightline/oracle/oracle.hpp"
+#include "sightline/parallel/parallel.hpp"
+#include "sightline/raster/occlusion_buffer.hpp"
+#include "sightline/scene/generate/random.hpp"
+#include "sightline/scene/input_error.hpp"
+#include "sightline/scene/load/load.hpp"
+
+namespace {
+
+using namespace sightline;
+
+constexpr int boxes_per_view = 20000, views_used = 8, rounds = 9;
+
+/// CPU time of this thread, seconds: a shared machine's other work does not count.
+double cpu_seconds() {
+  timespec now{};
+  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
+  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
+}
+
+double median(std::vector<double> values) {
+  std::sort(values.begin(), values.end());
+  return values[values.size() / 2];
+}
+
+std::set<std::string> read_names(const std::string& file) {
+  std::set<std::string> names;
+  std::ifstream in(file);
+  if (!in) throw InputError(file, "", "cannot be read");
+  for (std::string line; std::getline(in, line);)
+    if (!line.empty() && line[0] != '#') names.insert(line);
+  return names;
+}
+
+std::vector<View> read_views(const std::string& file, const Scene& scene) {
+  std::vector<View> views;
+  std::ifstream in(file);
+  if (!in) throw InputError(file, "", "cannot be read");
+  for (std::string line; std::getline(in, line) && views.size() < views_used;) {
+    std::istringstream words(line);
+    glm::dvec3 eye;
+    if (line.empty() || line[0] == '#' || !(words >> eye.x >> eye.y >> eye.z)) continue;
+    const double turn = 0.7 * static_cast<double>(views.size());
+    views.push_back(look_along(eye, {std::cos(turn), 0, std::sin(turn)}));
+    views.back().far = 4.0 * static_cast<double>(glm::length(scene.bounds().extent()));
+  }
+  return views;
+}
+
+/// The occluders alone, as a scene of their own: what the truth is asked about.
+Scene occluders_of(const Scene& scene, const std::set<std::string>& names) {
+  SceneBuilder builder;
+  for (const Mesh& mesh : scene.meshes()) builder.add_mesh(mesh);
+  for (ObjectId id = 0; id < scene.objects().size(); ++id)
+    if (names.contains(std::string(scene.name(id))))
+      builder.add_object(scene.objects()[id].mesh, scene.objects()[id].transform, scene.name(id));
+  return builder.build();
+}
+
+std::vector<Aabb> random_boxes(const Aabb& bounds, std::uint64_t seed) {
+  Random random(seed);
+  std::vector<Aabb> boxes;
+  for (int i = 0; i < boxes_per_view; ++i) {
+    const glm::vec3 centre(random.range(bounds.lo.x, bounds.hi.x), random.range(bounds.lo.y, bounds.hi.y),
+                           random.range(bounds.lo.z, bounds.hi.z));
+    const glm::vec3 half(random.range(0.1, 1.5), random.range(0.1, 1.5), random.range(0.1, 1.5));
+    boxes.push_back({centre - half, centre + half});
+  }
+  return boxes;
+}
+
+/// Entry distance of a ray into a box (along the view direction), or infinity; slab test (Kay and Kajiya 1986).
+double enter(const PixelRay& ray, const Aabb& box) {
+  double from = ray.t_near, to = ray.t_far;
+  for (int axis = 0; axis < 3; ++axis) {
+    const double a = (box.lo[axis] - ray.origin[axis]) / ray.direction[axis];
+    const double b = (box.hi[axis] - ray.origin[axis]) / ray.direction[axis];
+    from = std::max(from, std::min(a, b));
+    to = std::min(to, std::max(a, b));
+  }
+  return from <= to ? from : std::numeric_limits<double>::infinity();
+}
+
+enum class Seen { outside, hidden, seen };
+
+/// The truth about a box: looked at through every sample of the fine image that its projection can touch.
+Seen truth_of(const Aabb& box, const View& fine, const Frame& depth) {
+  const glm::dmat4 clip = view_projection(fine);
+  double x0 = 1e300, x1 = -1e300, y0 = 1e300, y1 = -1e300, nearest = 1e300;
+  for (int i = 0; i < 8; ++i) {
+    const glm::dvec4 p = clip * glm::dvec4(box.corner(i), 1.0);
+    nearest = std::min(nearest, p.w);
+    x0 = std::min(x0, (0.5 + 0.5 * p.x / p.w) * fine.width);
+    x1 = std::max(x1, (0.5 + 0.5 * p.x / p.w) * fine.width);
+    y0 = std::min(y0, (0.5 - 0.5 * p.y / p.w) * fine.height);
+    y1 = std::max(y1, (0.5 - 0.5 * p.y / p.w) * fine.height);
+  }
+  if (nearest <= fine.near) return Seen::outside;  // not asked about
+  bool touched = false;
+  for (int y = static_cast<int>(std::max(0.0, y0)); y < std::min<double>(fine.height, y1); ++y)
+    for (int x = static_cast<int>(std::max(0.0, x0)); x < std::min<double>(fine.width, x1); ++x) {
+      const double t = enter(pixel_ray(fine, x + 0.5, y + 0.5), box);
+      if (std::isinf(t)) continue;
+      touched = true;
+      if (t < static_cast<double>(depth.depth[depth.index(x, y)])) return Seen::seen;
+    }
+  return touched ? Seen::hidden : Seen::outside;
+}
+
+struct Setting {
+  const char* name;
+  bool scalar;
+  double resolution;
+};
+
+struct Task {
+  Scene occluders;
+  std::vector<OccluderMesh> meshes;
+  std::vector<View> views;
+  std::vector<std::vector<Aabb>> boxes;
+
+  void draw(OcclusionBuffer& buffer, const View& view, double resolution) const {
+    buffer.begin(view, static_cast<int>(view.width * resolution), static_cast<int>(view.height * resolution));
+    for (const Object& object : occluders.objects()) buffer.add_occluder(meshes[object.mesh], object.transform);
+    buffer.finish();
+  }
+};
+
+/// Missed boxes and recall of a setting; the number of boxes that a ray sees though they were called hidden.
+std::size_t check(const Task& task, const Setting& setting, const std::vector<std::vector<Seen>>& truth) {
+  std::size_t wrong = 0, hidden = 0, found = 0;
+  OcclusionBuffer buffer(setting.scalar);
+  for (std::size_t v = 0; v < task.views.size(); ++v) {
+    task.draw(buffer, task.views[v], setting.resolution);
+    for (std::size_t b = 0; b < task.boxes[v].size(); ++b) {
+      const bool culled = !buffer.may_be_seen(task.boxes[v][b]);
+      wrong += culled && truth[v][b] == Seen::seen ? 1 : 0;
+      hidden += truth[v][b] == Seen::hidden ? 1 : 0;
+      found += culled && truth[v][b] == Seen::hidden ? 1 : 0;
+    }
+  }
+  std::printf("%-8s %10.2f  wrongly hidden %zu, recall %.2f %% of %zu hidden boxes\n", setting.name, setting.resolution,
+              wrong, 100.0 * static_cast<double>(found) / static_cast<double>(hidden), hidden);
+  return wrong;
+}
+
+void time_all(const Task& task, const std::vector<Setting>& settings, int threads) {
+  const ThreadLimit limit(threads);
+  std::vector<std::vector<double>> fill(settings.size()), ask(settings.size());
+  std::vector<OcclusionBuffer> buffers;
+  for (const Setting& setting : settings) buffers.emplace_back(setting.scalar);
+  std::size_t seen = 0;
+  for (int round = 0; round < rounds; ++round)  // interleaved: noise of the machine hits all alike
+    for (std::size_t s = 0; s < settings.size(); ++s)
+      for (std::size_t v = 0; v < task.views.size(); ++v) {
+        double start = cpu_seconds();
+        task.draw(buffers[s], task.views[v], settings[s].resolution);
+        fill[s].push_back(cpu_seconds() - start);
+        start = cpu_seconds();
+        for (const Aabb& box : task.boxes[v]) seen += buffers[s].may_be_seen(box) ? 1 : 0;
+        ask[s].push_back(cpu_seconds() - start);
+      }
+  const double triangles = static_cast<double>(task.occluders.triangle_count());
+  std::printf("\n%d thread(s), %zu answers 'may be seen'\n%-8s %10s %12s %14s %12s %14s\n", threads, seen, "loops",
+              "resolution", "fill ms", "M triangles/s", "x scalar", "M queries/s");
+  for (std::size_t s = 0; s < settings.size(); ++s) {
+    const double f = median(fill[s]), a = median(ask[s]);
+    std::printf("%-8s %10.2f %12.3f %14.1f %12.2f %14.2f\n", settings[s].scalar ? "scalar" : buffers[s].target(),
+                settings[s].resolution, 1e3 * f, 1e-6 * triangles / f, median(fill[s % 3]) / f,
+                1e-6 * boxes_per_view / a);
+  }
+}
+
+int run(const std::string& scene_file, const std::string& names, const std::string& viewpoints) {
+  const LoadedScene loaded = load_scene(scene_file);
+  Task task{occluders_of(loaded.scene, read_names(names)), {}, read_views(viewpoints, loaded.scene), {}};
+  for (const Mesh& mesh : task.occluders.meshes()) task.meshes.push_back(make_occluder(mesh.positions, mesh.triangles));
+  std::printf("%zu occluders, %llu triangles, %zu views of 1280x720, %d random boxes each\n",
+              task.occluders.objects().size(), static_cast<unsigned long long>(task.occluders.triangle_count()),
+              task.views.size(), boxes_per_view);
+  const Oracle oracle(task.occluders);
+  std::vector<std::vector<Seen>> truth;
+  for (std::size_t v = 0; v < task.views.size(); ++v) {
+    task.boxes.push_back(random_boxes(loaded.scene.bounds(), 100 + v));
+    View fine = task.views[v];  // 4 x 4 samples of every pixel
+    fine.width *= 4;
+    fine.height *= 4;
+    Frame depth;
+    oracle.draw(fine, depth);
+    std::vector<Seen>& seen = truth.emplace_back(task.boxes[v].size());
+    parallel_blocks(seen.size(), 64, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t b = begin; b < end; ++b) seen[b] = truth_of(task.boxes[v][b], fine, depth);
+    });
+  }
+  const std::vector<Setting> settings{{"scalar", true, 1.0}, {"scalar", true, 0.5}, {"scalar", true, 0.25},
+                                      {"simd", false, 1.0},  {"simd", false, 0.5},  {"simd", false, 0.25}};
+  std::size_t wrong = 0;
+  for (const Setting& setting : settings) wrong += check(task, setting, truth);
+  if (wrong > 0) return 1;
+  time_all(task, settings, 1);
+  return 0;
+}
+
+}  // namespace
+
+int main(int count, char** arguments) {
+  const std::string castle = std::string(SIGHTLINE_SOURCE_DIR) + "/../shared/scenes/intel-castle/";
+  try {
+    if (count == 4) return run(arguments[1], arguments[2], arguments[3]);
+    return run(castle + "intel-castle.glb", castle + "occluders.txt", castle + "viewpoints.txt");
+  } catch (const InputError& error) {
+    std::fprintf(stderr, "bench_occlusion: skipped: %s\n", error.what());
+    return 0;
+  }
+}

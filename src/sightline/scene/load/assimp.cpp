@@ -1,0 +1,162 @@
+// PLY, STL, DAE, FBX, 3DS and IFC into a scene by the Open Asset Import Library; an object is a mesh of a node.
+// Promise: nothing that the file has and we drop goes unsaid; lengths are metres and Y is up where the format tells
+// units and axes; its exceptions and messages become one InputError.
+#include <assimp/config.h>
+#include <assimp/material.h>
+#include <assimp/postprocess.h>
+#include <assimp/scene.h>
+
+#include <array>
+#include <assimp/Importer.hpp>
+#include <cstdlib>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "sightline/scene/input_error.hpp"
+#include "sightline/scene/load/readers.hpp"
+
+namespace sightline {
+
+namespace {
+
+constexpr unsigned int steps = aiProcess_Triangulate | aiProcess_SortByPType | aiProcess_RemoveComponent |
+                               aiProcess_JoinIdenticalVertices | aiProcess_GlobalScale;
+/// Removed first, so that vertices with the same position are the same vertex.
+constexpr int surface_data =
+    aiComponent_NORMALS | aiComponent_TANGENTS_AND_BITANGENTS | aiComponent_COLORS | aiComponent_TEXCOORDS;
+
+glm::dmat4 matrix_of(const aiNode& node) {
+  const aiMatrix4x4& m = node.mTransformation;
+  return {m.a1, m.b1, m.c1, 0.0, m.a2, m.b2, m.c2, 0.0, m.a3, m.b3, m.c3, 0.0, m.a4, m.b4, m.c4, 1.0};
+}
+
+/// What turns an FBX file's axes into right, up and front: assimp hands them on as metadata and leaves them as they
+/// are. For other formats, which it turns itself, the identity.
+glm::dmat4 axes_of(const aiScene& scene) {
+  constexpr std::array<std::pair<const char*, const char*>, 3> keys = {
+      {{"CoordAxis", "CoordAxisSign"}, {"UpAxis", "UpAxisSign"}, {"FrontAxis", "FrontAxisSign"}}};
+  glm::dmat4 turn(0.0);
+  turn[3][3] = 1.0;
+  for (int to = 0; to < 3; ++to) {
+    std::int32_t from = 0, sign = 0;
+    const auto& [axis_key, sign_key] = keys[static_cast<std::size_t>(to)];
+    const bool known = scene.mMetaData != nullptr && scene.mMetaData->Get(axis_key, from) &&
+                       scene.mMetaData->Get(sign_key, sign) && from >= 0 && from < 3 && std::abs(sign) == 1;
+    if (!known) return glm::dmat4(1.0);
+    turn[from][to] = sign;
+  }
+  return std::abs(glm::determinant(turn)) == 1.0 ? turn : glm::dmat4(1.0);
+}
+
+bool is_opaque(const aiScene& scene, const aiMesh& mesh) {
+  if (mesh.mMaterialIndex >= scene.mNumMaterials) return true;
+  const aiMaterial& material = *scene.mMaterials[mesh.mMaterialIndex];
+  float opacity = 1.0f, transmission = 0.0f;
+  material.Get(AI_MATKEY_OPACITY, opacity);
+  material.Get(AI_MATKEY_TRANSMISSION_FACTOR, transmission);
+  return opacity >= 1.0f && transmission <= 0.0f && material.GetTextureCount(aiTextureType_OPACITY) == 0;
+}
+
+Mesh convert(const aiMesh& source, std::size_t index) {
+  Mesh mesh;
+  mesh.name = source.mName.length > 0 ? one_line(source.mName.C_Str()) : "mesh " + std::to_string(index);
+  mesh.positions.reserve(source.mNumVertices);
+  for (unsigned int i = 0; i < source.mNumVertices; ++i) {
+    mesh.positions.emplace_back(source.mVertices[i].x, source.mVertices[i].y, source.mVertices[i].z);
+  }
+  mesh.triangles.reserve(source.mNumFaces);
+  for (unsigned int i = 0; i < source.mNumFaces; ++i) {
+    const aiFace& face = source.mFaces[i];
+    if (face.mNumIndices == 3) mesh.triangles.emplace_back(face.mIndices[0], face.mIndices[1], face.mIndices[2]);
+  }
+  return mesh;
+}
+
+class AssimpReader {
+ public:
+  explicit AssimpReader(const aiScene& scene) : scene_(scene), ids_(scene.mNumMeshes) {}
+
+  LoadedScene read() {
+    walk();
+    LoadedScene loaded;
+    loaded.scene = builder_.build();
+    loaded.warnings = warnings();
+    return loaded;
+  }
+
+ private:
+  struct Visit {
+    const aiNode* node;
+    glm::dmat4 parent;
+  };
+
+  /// Depth first, children in their order, without recursion.
+  void walk() {
+    std::vector<Visit> pending = {{scene_.mRootNode, axes_of(scene_)}};
+    for (std::int32_t number = 0; !pending.empty(); ++number) {
+      const Visit visit = pending.back();
+      pending.pop_back();
+      const glm::dmat4 world = visit.parent * matrix_of(*visit.node);
+      for (unsigned int i = 0; i < visit.node->mNumMeshes; ++i) add_object(*visit.node, i, number, world);
+      for (unsigned int i = visit.node->mNumChildren; i-- > 0;) pending.push_back({visit.node->mChildren[i], world});
+    }
+  }
+
+  void add_object(const aiNode& node, unsigned int part, std::int32_t number, const glm::dmat4& world) {
+    const unsigned int index = node.mMeshes[part];
+    const aiMesh& mesh = *scene_.mMeshes[index];
+    if ((mesh.mPrimitiveTypes & aiPrimitiveType_TRIANGLE) == 0) {
+      ++left_out_;
+      return;
+    }
+    if (!ids_[index]) ids_[index] = builder_.add_mesh(convert(mesh, index));
+    std::string name = one_line(node.mName.C_Str());
+    if (name.empty()) name = one_line(mesh.mName.C_Str());
+    if (name.empty()) name = "node " + std::to_string(number);
+    builder_.add_object(*ids_[index], to_affine(world), name, {number, static_cast<std::int32_t>(part)},
+                        is_opaque(scene_, mesh));
+  }
+
+  [[nodiscard]] std::vector<std::string> warnings() const {
+    std::vector<std::string> lines;
+    const auto dropped = [&](std::size_t count, const char* what) {
+      if (count > 0) lines.push_back(std::to_string(count) + " " + what);
+    };
+    std::size_t skinned = 0, morphed = 0;
+    for (unsigned int i = 0; i < scene_.mNumMeshes; ++i) {
+      skinned += scene_.mMeshes[i]->mNumBones > 0 ? 1 : 0;
+      morphed += scene_.mMeshes[i]->mNumAnimMeshes > 0 ? 1 : 0;
+    }
+    dropped(left_out_, "meshes of points or lines are left out");
+    dropped(scene_.mNumAnimations, "animations are not used");
+    dropped(skinned, "meshes with bones are shown as modelled");
+    dropped(morphed, "meshes with morph targets are shown as modelled");
+    dropped(scene_.mNumLights, "lights are not used");
+    dropped(scene_.mNumCameras, "cameras are not used");
+    dropped(scene_.mNumTextures, "embedded textures are not used");
+    return lines;
+  }
+
+  const aiScene& scene_;
+  SceneBuilder builder_;
+  std::vector<std::optional<MeshId>> ids_;
+  std::size_t left_out_ = 0;
+};
+
+}  // namespace
+
+LoadedScene read_with_assimp(const std::filesystem::path& file) {
+  if (read_file(file, 1).empty()) throw InputError(file.string(), "", "is empty");
+  Assimp::Importer importer;
+  importer.SetPropertyInteger(AI_CONFIG_PP_RVC_FLAGS, surface_data);
+  const aiScene* scene = importer.ReadFile(file.string(), steps);
+  if (scene == nullptr) throw InputError(file.string(), "", one_line(importer.GetErrorString()));
+  if (scene->mRootNode == nullptr || (scene->mFlags & AI_SCENE_FLAGS_INCOMPLETE) != 0) {
+    throw InputError(file.string(), "", "has no meshes");
+  }
+  return AssimpReader(*scene).read();
+}
+
+}  // namespace sightline
