@@ -3,6 +3,7 @@
 
 #include "sightline/oracle/oracle.hpp"
 #include "sightline/registry.hpp"
+#include "sightline/scene/camera_path.hpp"
 #include "sightline/scene/generate/generate.hpp"
 
 int main() {
@@ -10,7 +11,7 @@ int main() {
   // [readme]
   const Scene scene = generate_scene("city", {.objects = 5000});   // or load_scene("building.glb").scene
   const IndexedScene indexed = index_scene(scene);                 // adds the bounding volume hierarchy
-  const View view = look_along({0.0, 1.7, 0.0}, {1.0, 0.0, 0.3});  // from eye height, into the streets
+  const View view = generate_path(scene, {.frames = 2}).views[0];  // or look_along(eye, direction)
   const auto culler = make_culler("occlusion_masked", indexed);    // any row of the table below
   VisibleSet visible;
   Counters counters;

@@ -28,8 +28,8 @@ Json list_json() {
 void print_markdown() {
   fmt::print("| name | family | promise | paper | checklist | summary |\n|---|---|---|---|---|---|\n");
   for (const Algorithm& row : algorithms())
-    fmt::print("| `{}` | {} | {} | {} | {} | {} |\n", row.name, to_string(row.family), to_string(row.promise),
-               row.paper, row.checklist, row.summary);
+    fmt::print("| [`{0}`](docs/algorithms/{0}.md) | {1} | {2} | {3} | {4} | {5} |\n", row.name, to_string(row.family),
+               to_string(row.promise), row.paper, row.checklist, row.summary);
   fmt::print("\n| generator | summary |\n|---|---|\n");
   for (const Generator& row : generators()) fmt::print("| `{}` | {} |\n", row.name, row.summary);
 }

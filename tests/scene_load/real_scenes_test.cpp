@@ -18,6 +18,8 @@ struct RealScene {
   std::size_t meshes;     // distinct ones in the file
 };
 
+void PrintTo(const RealScene& scene, std::ostream* out) { *out << scene.folder << "/" << scene.file; }
+
 std::filesystem::path scenes_folder() {
   return std::filesystem::path(SIGHTLINE_SOURCE_DIR).parent_path() / "shared" / "scenes";
 }

@@ -2,7 +2,7 @@
 // (../../../docs/algorithms/occlusion_masked.md): a pixel square that no contour edge of an occluder's projection
 // touches is covered wholly or not at all, and its centre tells which. A pixel that one triangle covers wholly is
 // written at once; pixels that several triangles of the occluder share gather in a layer and are written at its end,
-// unless a contour edge touched them.
+// unless a contour edge touched them. More than 400 lines because what is compiled once per target must be one file.
 
 #if defined(SIGHTLINE_RASTER_OCCLUSION_KERNELS_INL) == defined(HWY_TARGET_TOGGLE)
 #ifdef SIGHTLINE_RASTER_OCCLUSION_KERNELS_INL

@@ -17,7 +17,7 @@ struct CameraPath {
 /// How views are made that the source of a path leaves open.
 struct PathConfig {
   int frames = 120;  // number of views, >= 1
-  View prototype;    // projection, near, far and viewport of every view
+  View prototype{};  // projection, near, far and viewport of every view
   std::uint64_t seed = 1;
 };
 
