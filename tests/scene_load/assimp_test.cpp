@@ -199,6 +199,36 @@ TEST(Assimp, PointCloudsAreSaidToBeLeftOut) {
   EXPECT_EQ(loaded.warnings, std::vector<std::string>{"1 meshes of points or lines are left out"});
 }
 
+TEST(Assimp, WhatIsNotUsedIsSaid) {
+  const std::unique_ptr<aiScene> scene = two_tetrahedra();
+  scene->mNumCameras = 1;
+  scene->mCameras = new aiCamera*[1]{new aiCamera};
+  scene->mCameras[0]->mName = "eye";
+  scene->mNumLights = 1;
+  scene->mLights = new aiLight*[1]{new aiLight};
+  scene->mLights[0]->mName = "lamp";
+  scene->mLights[0]->mType = aiLightSource_POINT;
+  aiNode* children[2] = {new aiNode("eye"), new aiNode("lamp")};
+  scene->mRootNode->addChildren(2, children);
+  auto* channel = new aiNodeAnim;
+  channel->mNodeName = "left";
+  channel->mNumPositionKeys = channel->mNumRotationKeys = channel->mNumScalingKeys = 1;
+  channel->mPositionKeys = new aiVectorKey[1]{{0.0, {0, 0, 0}}};
+  channel->mRotationKeys = new aiQuatKey[1]{{0.0, aiQuaternion()}};
+  channel->mScalingKeys = new aiVectorKey[1]{{0.0, {1, 1, 1}}};
+  scene->mNumAnimations = 1;
+  scene->mAnimations = new aiAnimation*[1]{new aiAnimation};
+  scene->mAnimations[0]->mNumChannels = 1;
+  scene->mAnimations[0]->mChannels = new aiNodeAnim*[1]{channel};
+  const ScratchFolder folder;
+  const std::filesystem::path file = folder.path() / "a.dae";
+  Assimp::Exporter exporter;
+  ASSERT_EQ(exporter.Export(scene.get(), "collada", file.string()), aiReturn_SUCCESS) << exporter.GetErrorString();
+  const std::vector<std::string> expected = {"1 animations are not used", "1 lights are not used",
+                                             "1 cameras are not used"};
+  EXPECT_EQ(load_scene(file).warnings, expected);
+}
+
 TEST(Assimp, BrokenFilesAreInputErrors) {
   for (const char* name : {"a.ply", "a.stl", "a.dae", "a.fbx", "a.3ds", "a.ifc"}) {
     EXPECT_EQ(load_error("", name), ": is empty") << name;

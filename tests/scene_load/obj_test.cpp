@@ -34,6 +34,15 @@ TEST(Obj, AllKindsOfCorners) {
   }
 }
 
+TEST(Obj, AnyEndOfLine) {
+  for (const std::string end : {"\n", "\r\n", "\r"}) {
+    const Scene scene = load_text("v 0 0 0" + end + "v 1 0 0" + end + end + "v 0 1 0" + end + "f 1 2 3").scene;
+    const std::vector<glm::vec3> expected = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
+    EXPECT_EQ(corners_of(scene), expected);
+    EXPECT_EQ(error_of("v 0 0 0" + end + end + "v 1 0 x" + end), "line 3: a vertex needs three numbers");
+  }
+}
+
 TEST(Obj, PolygonsAreTriangulated) {
   // An L of area 3, concave at its fifth corner.
   const Scene scene = load_text("v 0 0 0\nv 2 0 0\nv 2 1 0\nv 1 1 0\nv 1 2 0\nv 0 2 0\nf 1 2 3 4 5 6\n").scene;
@@ -58,16 +67,17 @@ TEST(Obj, CoordinatesAreRoundedOnce) {
 TEST(Obj, MaterialsThatLetThroughAreObjectsOfTheirOwn) {
   const ScratchFolder folder;
   folder.write("materials.mtl", "newmtl wall\nKd 1 1 1\nd 1.0\nnewmtl glass\nd 0.25\n");
-  folder.write("more.mtl", "newmtl fence\nmap_d fence.png\n");
-  const LoadedScene loaded = load_scene(folder.write(
-      "scene.obj", "mtllib materials.mtl more.mtl\n" + square +
-                       "usemtl glass\nf 1 2 3\nusemtl wall\nf 1 3 4\nusemtl fence\nf 1 2 4\nusemtl other\nf 2 3 4\n"));
+  folder.write("more.mtl", "newmtl fence\nmap_d fence.png\nnewmtl haze\nTr 0.75\n");
+  const LoadedScene loaded =
+      load_scene(folder.write("scene.obj", "mtllib materials.mtl more.mtl\n" + square +
+                                               "usemtl glass\nf 1 2 3\nusemtl wall\nf 1 3 4\nusemtl fence\nf 1 2 "
+                                               "4\nusemtl haze\nf 1 2 4\nusemtl other\nf 2 3 4\n"));
   const Scene& scene = loaded.scene;
   ASSERT_EQ(scene.objects().size(), 2u);
   EXPECT_TRUE(scene.objects()[0].opaque);
   EXPECT_EQ(scene.mesh_of(0).triangles.size(), 2u);
   EXPECT_FALSE(scene.objects()[1].opaque);
-  EXPECT_EQ(scene.mesh_of(1).triangles.size(), 2u);
+  EXPECT_EQ(scene.mesh_of(1).triangles.size(), 3u);
   EXPECT_EQ(scene.source(1).primitive, 1);
   EXPECT_EQ(loaded.warnings, std::vector<std::string>{"material 'other' is not known, taken as opaque"});
 }

@@ -9,6 +9,7 @@
 #include <array>
 #include <assimp/Importer.hpp>
 #include <cstdlib>
+#include <exception>
 #include <optional>
 #include <string>
 #include <utility>
@@ -151,7 +152,12 @@ LoadedScene read_with_assimp(const std::filesystem::path& file) {
   if (read_file(file, 1).empty()) throw InputError(file.string(), "", "is empty");
   Assimp::Importer importer;
   importer.SetPropertyInteger(AI_CONFIG_PP_RVC_FLAGS, surface_data);
-  const aiScene* scene = importer.ReadFile(file.string(), steps);
+  const aiScene* scene = nullptr;
+  try {
+    scene = importer.ReadFile(file.string(), steps);
+  } catch (const std::exception& error) {
+    throw InputError(file.string(), "", one_line(error.what()));
+  }
   if (scene == nullptr) throw InputError(file.string(), "", one_line(importer.GetErrorString()));
   if (scene->mRootNode == nullptr || (scene->mFlags & AI_SCENE_FLAGS_INCOMPLETE) != 0) {
     throw InputError(file.string(), "", "has no meshes");

@@ -16,6 +16,8 @@ namespace {
 
 /// Many more than any renderer takes, few enough to hold: 1.3 GB of objects.
 constexpr std::size_t most_objects = std::size_t{1} << 24;
+/// A scene counts the bytes of its names in 32 bits.
+constexpr std::uint64_t most_name_bytes = 0xFFFFFFFFu;
 
 class GltfReader {
  public:
@@ -99,6 +101,8 @@ class GltfReader {
       const Affine transform = finite_affine(node, world * instance);
       for (const GltfMeshes::Part& part : parts) {
         document_.spend(name.size(), node);
+        name_bytes_ += name.size();
+        if (name_bytes_ > most_name_bytes) node.fail("the names of all objects together are longer than 4 GiB");
         builder_.add_object(part.mesh, transform, name, {static_cast<std::int32_t>(index), part.primitive},
                             part.opaque);
       }
@@ -140,6 +144,7 @@ class GltfReader {
   SceneBuilder builder_;
   GltfMeshes meshes_;
   std::vector<bool> visited_;
+  std::uint64_t name_bytes_ = 0;
   std::vector<LoadedScene::NamedView> cameras_;
 };
 

@@ -1,6 +1,6 @@
 // Wavefront OBJ into a scene: faces of one object and group name are one object, those that let light through another.
-// tinyobjloader reads faces, groups and materials; numbers of vertices are read here, so that wrong ones are errors
-// with their line instead of zeros. Polygons are triangulated whatever their shape.
+// tinyobjloader tells the lines apart and reads groups and materials; the numbers of vertices and faces are read here,
+// because it takes wrong ones as zero. Polygons are triangulated whatever their shape.
 #include <tiny_obj_loader.h>
 
 #include <array>
@@ -45,10 +45,11 @@ class NumberedLines : public std::streambuf {
     lines_ = 0;
     do {
       if (lines_ > 0) line_.back() = ' ';
-      const std::size_t length = std::min(rest_.find('\n'), rest_.size());
+      // Lines end where tinyobjloader lets them end: at "\n", "\r\n" or "\r".
+      const std::size_t length = std::min(rest_.find_first_of("\r\n"), rest_.size());
       line_.append(rest_.substr(0, length));
-      if (line_.ends_with('\r')) line_.pop_back();
-      rest_.remove_prefix(std::min(length + 1, rest_.size()));
+      rest_.remove_prefix(length);
+      rest_.remove_prefix(rest_.starts_with("\r\n") ? 2 : std::min(std::size_t{1}, rest_.size()));
       ++lines_;
     } while (line_.ends_with('\\') && !rest_.empty());
     line_ += '\n';
