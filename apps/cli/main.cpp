@@ -22,10 +22,15 @@ namespace {
 
 constexpr std::uint64_t most_frames = 1'000'000, most_threads = 1024, most_samples = 16;
 
-/// An option whose text goes through `read`, which throws UsageError if it is not as `type` says.
+/// An option whose text goes through read(text), which throws UsageError if it is not as `type` says.
+template <class Read>
 CLI::Option* add_text(CLI::App& app, const std::string& flags, const std::string& type, const std::string& help,
-                      const std::string& shown_default, std::function<void(const std::string&)> read) {
-  CLI::Option* option = app.add_option_function<std::string>(flags, read, help)->type_name(type);
+                      const std::string& shown_default, const Read& read) {
+  const auto callback = [read](const CLI::results_t& results) {
+    read(results.front());
+    return true;
+  };
+  CLI::Option* option = app.add_option(flags, callback, help)->type_name(type);
   if (!shown_default.empty()) option->default_str(shown_default);
   return option;
 }

@@ -44,6 +44,7 @@ void OutputFile::fail(const char* what) const {
 }
 
 void OutputFile::write(std::string_view bytes) {
+  if (bytes.empty()) return;  // fwrite must not be given a null pointer, whatever the count
   if (std::fwrite(bytes.data(), 1, bytes.size(), stream_) != bytes.size()) fail("cannot write");
 }
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 
 #include "interrupt.hpp"
 #include "output.hpp"
@@ -174,8 +175,8 @@ std::vector<WalkPicture> draw_pictures(const WalkReport& report, const Oracle& o
     View view = report.views[i].view;
     // As large as fits into 640 x 360 with the proportions of the walk: the picture shows what the walk saw.
     const double scale = std::min(640.0 / view.width, 360.0 / view.height);
-    view.width = std::max(1, static_cast<int>(view.width * scale + 0.5));
-    view.height = std::max(1, static_cast<int>(view.height * scale + 0.5));
+    view.width = std::max(1, static_cast<int>(std::lround(view.width * scale)));
+    view.height = std::max(1, static_cast<int>(std::lround(view.height * scale)));
     oracle.draw(view, frame);
     for (const auto& [show, name] : kinds)
       pictures.push_back({report.views[i].frame, name, encode_png(paint(*report.scene, view, frame, show))});

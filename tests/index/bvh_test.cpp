@@ -179,5 +179,30 @@ RC_GTEST_PROP(BvhProperty, AnyBoxes, ()) {
   RC_ASSERT(wrong == "");
 }
 
+TEST(Bvh, ItemsBelowANodeAreThoseOfItsLeaves) {
+  std::mt19937 engine(5);
+  std::vector<Aabb> boxes;
+  for (int i = 0; i < 300; ++i) {
+    const glm::vec3 at(engine() % 100, engine() % 100, engine() % 100);
+    boxes.push_back({at, at + 1.0f});
+  }
+  const Bvh bvh = build_bvh(boxes);
+  EXPECT_EQ(items_below(bvh, 0).begin, 0u);
+  EXPECT_EQ(items_below(bvh, 0).end, 300u);
+  for (std::uint32_t i = 0; i < bvh.nodes.size(); ++i) {
+    const BvhNode& node = bvh.nodes[i];
+    const ItemRange range = items_below(bvh, i);
+    if (node.leaf()) {
+      EXPECT_EQ(range.begin, node.first);
+      EXPECT_EQ(range.end, node.first + node.count);
+      continue;
+    }
+    const ItemRange left = items_below(bvh, node.first), right = items_below(bvh, node.first + 1);
+    EXPECT_EQ(range.begin, left.begin);
+    EXPECT_EQ(left.end, right.begin);
+    EXPECT_EQ(range.end, right.end);
+  }
+}
+
 }  // namespace
 }  // namespace sightline

@@ -23,9 +23,10 @@ namespace sightline::test {
 class ScratchFolder {
  public:
   ScratchFolder() {
+    static int number = 0;
     const testing::TestInfo* info = testing::UnitTest::GetInstance()->current_test_info();
-    std::string name =
-        std::string("sightline-") + info->test_suite_name() + "-" + info->name() + "-" + std::to_string(::getpid());
+    std::string name = std::string("sightline-") + info->test_suite_name() + "-" + info->name() + "-" +
+                       std::to_string(::getpid()) + "-" + std::to_string(number++);
     for (char& c : name) {
       if (c == '/') c = '_';
     }
@@ -61,7 +62,7 @@ struct GlbFixture {
 
   /// A buffer view over a copy of `values`, at a multiple of 4 bytes.
   template <class Number>
-  std::size_t add_view(std::span<const Number> values) {
+  std::size_t add_view(std::span<Number> values) {
     static_assert(std::is_trivially_copyable_v<Number>);
     binary.resize((binary.size() + 3) / 4 * 4);
     json["bufferViews"].push_back({{"buffer", 0}, {"byteOffset", binary.size()}, {"byteLength", values.size_bytes()}});
@@ -137,6 +138,17 @@ inline std::string load_error(std::string_view bytes, const std::string& name = 
     return error.position() + ": " + error.reason();
   }
   return "no error";
+}
+
+/// The corner positions of all triangles of the scene's first object, in world space.
+inline std::vector<glm::vec3> corners_of(const Scene& scene, ObjectId id = 0) {
+  std::vector<glm::vec3> corners;
+  for (const glm::uvec3& t : scene.mesh_of(id).triangles) {
+    for (int i = 0; i < 3; ++i) {
+      corners.push_back(transform_point(scene.objects()[id].transform, scene.mesh_of(id).positions[t[i]]));
+    }
+  }
+  return corners;
 }
 
 }  // namespace sightline::test

@@ -5,31 +5,35 @@ namespace {
 
 class FrustumHierarchical final : public Culler {
  public:
-  explicit FrustumHierarchical(const IndexedScene& scene) : scene_(scene) {}
+  explicit FrustumHierarchical(const IndexedScene& scene) : bvh_(scene.bvh), reach_(reach(scene.scene.bounds())) {
+    boxes_.reserve(bvh_.items.size());
+    for (const ObjectId id : bvh_.items) boxes_.push_back(scene.scene.objects()[id].bounds);
+  }
 
   void cull(const View& view, const VisibleSet& candidates, VisibleSet& visible, Counters& counters) override {
     visible.reset(candidates.universe());
-    if (scene_.bvh.nodes.empty()) return;
-    const Frustum frustum = view_frustum(view, reach(scene_.scene.bounds()));
+    if (bvh_.nodes.empty()) return;
+    const Frustum frustum = view_frustum(view, reach_);
     const bool all = candidates.is_all();
     stack_.assign(1, {0, (1u << frustum.count) - 1u});
     while (!stack_.empty()) {
       const auto [index, parent_planes] = stack_.back();
       stack_.pop_back();
-      const BvhNode& node = scene_.bvh.nodes[index];
+      const BvhNode& node = bvh_.nodes[index];
       std::uint32_t planes = parent_planes;
       ++counters.nodes_visited;
       if (outside(frustum, node.bounds, planes, counters)) continue;
-      if (!node.leaf()) {
+      if (planes != 0 && !node.leaf()) {
         stack_.push_back({node.first + 1, planes});
         stack_.push_back({node.first, planes});
         continue;
       }
-      for (std::uint32_t i = node.first; i < node.first + node.count; ++i) {
-        const ObjectId id = scene_.bvh.items[i];
+      const ItemRange items = items_below(bvh_, index);  // wholly inside: no more tests below
+      for (std::uint32_t i = items.begin; i < items.end; ++i) {
+        const ObjectId id = bvh_.items[i];
         std::uint32_t object_planes = planes;
-        const Aabb& box = scene_.scene.objects()[id].bounds;
-        if ((all || candidates.contains(id)) && !box.empty() && !outside(frustum, box, object_planes, counters))
+        if ((all || candidates.contains(id)) && !boxes_[i].empty() &&
+            !outside(frustum, boxes_[i], object_planes, counters))
           visible.insert(id);
       }
     }
@@ -53,7 +57,9 @@ class FrustumHierarchical final : public Culler {
     return false;
   }
 
-  const IndexedScene& scene_;
+  const Bvh& bvh_;
+  double reach_;
+  std::vector<Aabb> boxes_;  // of bvh_.items, in their order
   std::vector<Visit> stack_;
 };
 

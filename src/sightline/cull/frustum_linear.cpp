@@ -1,31 +1,40 @@
 #include "sightline/cull/frustum_linear.hpp"
 
+#include "sightline/geometry/frustum_boxes.hpp"
+
 namespace sightline {
 namespace {
 
 class FrustumLinear final : public Culler {
  public:
-  explicit FrustumLinear(const Scene& scene) : scene_(scene) {}
+  FrustumLinear(const Scene& scene, bool scalar)
+      : boxes_(scene.object_bounds()), reach_(reach(scene.bounds())), scalar_(scalar), ids_(boxes_.count + 16) {}
 
   void cull(const View& view, const VisibleSet& candidates, VisibleSet& visible, Counters& counters) override {
     visible.reset(candidates.universe());
-    const Frustum frustum = view_frustum(view, reach(scene_.bounds()));
-    for (const ObjectId id : candidates.order()) {
-      const Aabb& box = scene_.objects()[id].bounds;
-      if (!box.empty() && classify(frustum, box) != Containment::outside) visible.insert(id);
-    }
-    counters.boxes_tested += candidates.count();
+    const Frustum frustum = view_frustum(view, reach_);
+    const std::size_t found = scalar_ ? boxes_in_frustum_scalar(boxes_, frustum, ids_.data())
+                                      : boxes_in_frustum(boxes_, frustum, ids_.data());
+    const bool all = candidates.is_all();
+    for (std::size_t i = 0; i < found; ++i)
+      if (all || candidates.contains(ids_[i])) visible.insert(ids_[i]);
+    counters.boxes_tested += boxes_.count;
   }
 
  private:
-  const Scene& scene_;
+  BoxArrays boxes_;
+  double reach_;
+  bool scalar_;
+  std::vector<ObjectId> ids_;
 };
 
 }  // namespace
 
 std::unique_ptr<Culler> make_frustum_linear(const IndexedScene& scene, ParameterReader& parameters) {
+  bool scalar = false;
+  parameters.read("scalar", scalar);
   parameters.finish();
-  return std::make_unique<FrustumLinear>(scene.scene);
+  return std::make_unique<FrustumLinear>(scene.scene, scalar);
 }
 
 }  // namespace sightline

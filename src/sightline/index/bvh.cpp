@@ -133,6 +133,14 @@ class Builder {
 
 }  // namespace
 
+ItemRange items_below(const Bvh& bvh, std::uint32_t node) {
+  const BvhNode* first = &bvh.nodes[node];
+  const BvhNode* last = first;
+  while (!first->leaf()) first = &bvh.nodes[first->first];
+  while (!last->leaf()) last = &bvh.nodes[last->first + 1];
+  return {first->first, last->first + last->count};
+}
+
 Bvh build_bvh(std::span<const Aabb> boxes, const BvhConfig& config) {
   assert(config.max_leaf_size >= 1 && config.bins >= 2 && config.bins <= 64);
   return Builder(boxes, config).build();

@@ -25,6 +25,12 @@ struct Bvh {
   std::vector<std::uint32_t> items;
 };
 
+/// The items below a node: items[begin .. end). O(depth).
+struct ItemRange {
+  std::uint32_t begin, end;
+};
+ItemRange items_below(const Bvh& bvh, std::uint32_t node);
+
 struct BvhConfig {
   int max_leaf_size = 4;  // boxes, 1 to 255
   int bins = 16;          // bins per axis of the surface area heuristic, 2 to 64

@@ -19,7 +19,6 @@ constexpr double base_margin = 1.0 / 64;  // pixels: rounding of projected corne
 constexpr double base_share = 0x1p-16;    // relative: rounding of nearness in perspective
 constexpr double base_spread = 0x1p-20;   // of the distance from the eye: rounding of nearness in orthographic views
 constexpr double float_guard = 8192;      // pixels from the image's centre within which floats keep base_margin
-constexpr double float_slope = 32;        // and how far sideways, per unit of distance
 
 /// Where a box lies: distances along the view direction, and its projection in pixels if all of it lies before the eye.
 struct Footprint {
@@ -27,6 +26,12 @@ struct Footprint {
   double x0, y0, x1, y1;
   double spread;  // of its corners from the eye
 };
+
+}  // namespace
+
+namespace {
+
+glm::dvec3 to_row(const glm::dmat3& m, int row) { return {m[0][row], m[1][row], m[2][row]}; }
 
 }  // namespace
 
@@ -59,16 +64,35 @@ struct OcclusionBuffer::State {
     return f;
   }
 
-  /// True if float loops keep base_margin and base_share for all of a box.
-  [[nodiscard]] bool within_guard(const Footprint& f) const {
-    const double guard = perspective ? std::min(float_guard, float_slope * pixels_per_unit) : float_guard;
-    return f.nearest > near && f.x0 > centre_x - guard && f.x1 < centre_x + guard && f.y0 > centre_y - guard &&
-           f.y1 < centre_y + guard;
+  /// True if the float loops keep base_margin and base_share (or base_spread) for all of a mesh: it lies before the
+  /// eye, not too far aside, and the products that make up a corner are not much larger than the corner (a squashed
+  /// mesh).
+  [[nodiscard]] bool within_guard(const Footprint& f, const OccluderMesh& mesh, const glm::dmat3& rows,
+                                  const glm::dvec3& mesh_eye) const {
+    const double aside = std::max({centre_x - f.x0, f.x1 - centre_x, centre_y - f.y0, f.y1 - centre_y});
+    if (!(f.nearest > near && aside < float_guard)) return false;
+    glm::dvec3 largest(0.0);  // of the sums of the products' sizes for x, y and distance, per unit of distance
+    for (int i = 0; i < 8; ++i) {
+      const glm::dvec3 d = glm::dvec3(mesh.bounds.corner(i)) - mesh_eye;
+      const double w = perspective ? glm::dot(to_row(rows, 2), d) : 1.0;
+      for (int row = 0; row < 3; ++row)
+        largest[row] = std::max(largest[row], glm::dot(glm::abs(to_row(rows, row)), glm::abs(d)) / w);
+    }
+    // Four roundings of each product and sum.
+    const double pixels = 0x1p-22 * (std::max(largest.x, largest.y) + (perspective ? aside * largest.z : 0.0));
+    const double nearness = 0x1p-22 * largest.z;
+    return pixels < 0.5 * base_margin && nearness < (perspective ? 0.5 * base_share : 0.5 * base_spread * f.spread);
   }
 
-  [[nodiscard]] Margins margins(const Footprint& f, const Aabb& bounds, const Affine& transform) const {
+  [[nodiscard]] Margins margins(const Footprint& f, const OccluderMesh& mesh, const Affine& transform) const {
     // The truth has its vertices rounded to float in world space; an identity transform rounds nothing.
-    const double rounding = transform == identity_affine() ? 0.0 : reach(bounds) * 0x1p-22;
+    double rounding = 0.0;
+    if (transform != identity_affine()) {
+      const glm::vec3 size = glm::max(glm::abs(mesh.bounds.lo), glm::abs(mesh.bounds.hi));
+      const glm::vec3 terms = glm::abs(transform[0]) * size.x + glm::abs(transform[1]) * size.y +
+                              glm::abs(transform[2]) * size.z + glm::abs(transform[3]);
+      rounding = 0x1p-22 * static_cast<double>(std::max({terms.x, terms.y, terms.z}));
+    }
     if (!perspective)
       return {static_cast<float>(base_margin + rounding * pixels_per_unit), 0.0f,
               static_cast<float>(base_spread * f.spread + rounding)};
@@ -124,12 +148,14 @@ void OcclusionBuffer::add_occluder(const OccluderMesh& mesh, const Affine& trans
   ++s.counts.occluders;
   s.counts.occluder_triangles += mesh.triangle_count;
 
-  const Margins margins = s.margins(f, bounds, transform);
-  const glm::dmat3 rows = glm::transpose(glm::dmat3(s.to_x, s.to_y, s.to_w)) * linear;
-  const glm::dvec3 eye = glm::inverse(linear) * (s.eye - glm::dvec3(to_world[3]));
+  const Margins margins = s.margins(f, mesh, transform);
+  const glm::dmat3 view_rows = glm::transpose(glm::dmat3(s.to_x, s.to_y, s.to_w));
+  const glm::dmat3 rows = view_rows * linear;
+  const glm::dvec3 from_eye = glm::dvec3(to_world[3]) - s.eye;
+  const glm::dvec3 eye = -(glm::inverse(linear) * from_eye);
   const bool mirrored = volume < 0;
   raster::FillCounts filled;
-  if (s.within_guard(f)) {
+  if (s.within_guard(f, mesh, rows, eye)) {
     ScreenTransform t{};
     for (int axis = 0; axis < 3; ++axis) {
       t.eye_high[axis] = static_cast<float>(eye[axis]);
@@ -144,7 +170,7 @@ void OcclusionBuffer::add_occluder(const OccluderMesh& mesh, const Affine& trans
     s.kernels->draw_mesh(mesh, t, mirrored, margins, s.tiles, s.scratch, filled);
   } else {
     const double guard = std::max<double>(float_guard, std::max(s.tiles.width, s.tiles.height));
-    const raster::ClipTransform t{eye, rows, {s.centre_x, s.centre_y}, s.near, guard, s.perspective};
+    const raster::ClipTransform t{rows, view_rows * from_eye, {s.centre_x, s.centre_y}, s.near, guard, s.perspective};
     raster::draw_clipped(mesh, t, mirrored, margins, *s.kernels, s.tiles, filled);
   }
   s.counts.triangles_filled += filled.triangles;

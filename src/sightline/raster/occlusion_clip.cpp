@@ -18,7 +18,7 @@ class Clipper {
     near_ = t.near + std::abs(t.near) * 1e-5;
     points_.reserve(mesh.vertex_count);
     for (std::size_t i = 0; i < mesh.vertex_count; ++i) {
-      const glm::dvec3 p = t.rows * (glm::dvec3(mesh.x[i], mesh.y[i], mesh.z[i]) - t.eye);
+      const glm::dvec3 p = t.rows * glm::dvec3(mesh.x[i], mesh.y[i], mesh.z[i]) + t.offset;
       points_.emplace_back(p.x, p.y, p.z, t.perspective ? p.z : 1.0);
     }
   }

@@ -8,11 +8,11 @@
 
 namespace sightline::raster {
 
-/// Mesh space to pixels: rows * (p - eye) is (x, y, distance), x and y from the image's centre, times the distance for
+/// Mesh space to pixels: rows * p + offset is (x, y, distance), x and y from the image's centre, times the distance for
 /// perspective views.
 struct ClipTransform {
-  glm::dvec3 eye;
   glm::dmat3 rows;
+  glm::dvec3 offset;
   glm::dvec2 centre;
   double near, guard;
   bool perspective;

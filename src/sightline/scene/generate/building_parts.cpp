@@ -114,7 +114,7 @@ Mesh stairs_mesh(float run, float width) {
   }
   v.back() -= 0.015625f;  // the last step ends below the next floor
   for (int row = 0; row < steps; ++row)
-    for (int column = 0; column < steps; ++column) filled.push_back(column >= row && column <= row + 2);
+    for (int column = 0; column < steps; ++column) filled.push_back(column >= row && column <= row + 2 ? 1 : 0);
   return make_plate(u, v, filled, width);
 }
 

@@ -35,7 +35,7 @@ BuildingPlan plan_building(std::uint32_t rooms) {
   const double per_storey = static_cast<double>(rooms) / plan.storeys;
   // Corridors about ten rooms long per side in small buildings, a plan of about equal sides in large ones.
   plan.rows = std::max(1u, static_cast<std::uint32_t>(std::sqrt(0.5 * per_storey * bay / BuildingPlan::row_pitch)));
-  plan.bays = std::max(1u, static_cast<std::uint32_t>(per_storey / (2.0 * plan.rows) + 0.5));
+  plan.bays = std::max(1u, static_cast<std::uint32_t>(std::lround(per_storey / (2.0 * plan.rows))));
   return plan;
 }
 

@@ -5,6 +5,7 @@
 
 #include "sightline/scene/generate/city_parts.hpp"
 #include "sightline/scene/generate/kinds.hpp"
+#include "sightline/scene/generate/plot_grid.hpp"
 
 namespace sightline {
 namespace {
@@ -120,7 +121,8 @@ class BlockBuilder {
     const std::uint32_t columns = count > 1 ? 2 : 1, lines = count > 2 ? 2 : 1;
     const double pitch_x = (block_x - 2 * walk) / columns, pitch_z = (block_z - 2 * walk) / lines;
     for (std::uint32_t i = 0; i < count && more(); ++i) {
-      const double x = walk + pitch_x * (i % columns + 0.5), z = walk + pitch_z * (i / columns + 0.5);
+      const std::uint32_t line = i / columns;
+      const double x = walk + pitch_x * (i % columns + 0.5), z = walk + pitch_z * (line + 0.5);
       const double size_x = pitch_x * random_.range(0.6, 0.95), size_z = pitch_z * random_.range(0.7, 0.95);
       const double low = random_.range(35, 60);
       const double height = low + 90 * plot_.centrality * random_.uniform();
@@ -221,20 +223,14 @@ Scene generate_city(const GenerateConfig& config) {
     layout.place(parts.towers[0], place_at({0, 0, 0}, 0, {24, 80, 24}));
     return layout.build();
   }
-  const std::uint32_t objects = config.objects - 1;
-  const std::uint32_t blocks = std::max(1u, (objects + objects_per_block / 2) / objects_per_block);
-  const double pitch_x = block_x + street, pitch_z = block_z + street;
-  const auto columns = static_cast<std::uint32_t>(std::ceil(std::sqrt(blocks * pitch_z / pitch_x)));
-  const std::uint32_t lines = (blocks + columns - 1) / columns;
-  const glm::dvec2 size(columns * pitch_x, lines * pitch_z);
-  layout.place(parts.ground, place_at({0, 0, 0}, 0, {size.x + 60, 1, size.y + 60}));
-  for (std::uint32_t i = 0; i < blocks; ++i) {
+  const PlotGrid grid(config.objects - 1, objects_per_block, {block_x, block_z}, street);
+  layout.place(parts.ground, place_at({0, 0, 0}, 0, {grid.size().x + 60, 1, grid.size().y + 60}));
+  for (std::uint32_t i = 0; i < grid.count; ++i) {
     Plot plot;
-    plot.corner = {(i % columns) * pitch_x + 0.5 * street - 0.5 * size.x,
-                   (i / columns) * pitch_z + 0.5 * street - 0.5 * size.y};
-    const glm::dvec2 offset = (plot.corner + 0.5 * glm::dvec2(block_x, block_z)) / (0.5 * size);
+    plot.corner = grid.corner(i);
+    const glm::dvec2 offset = (plot.corner + 0.5 * grid.plot) / (0.5 * grid.size());
     plot.centrality = std::max(0.0, 1.0 - std::sqrt(glm::dot(offset, offset)));
-    plot.until = 1 + static_cast<std::uint32_t>(std::uint64_t{objects} * (i + 1) / blocks);
+    plot.until = 1 + grid.until(i);
     BlockBuilder(layout, parts, plot, mix(config.seed, i + 1)).build();
   }
   return layout.build();

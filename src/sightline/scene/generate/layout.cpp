@@ -59,7 +59,7 @@ double Layout::triangle_factor() const {
 Mesh Layout::tessellate(const PartInfo& info, double factor) const {
   const auto natural = static_cast<double>(info.natural.triangles.size());
   if (factor >= 1.0) {
-    const auto wanted = static_cast<std::size_t>(natural * factor + 0.5);
+    const auto wanted = static_cast<std::size_t>(std::llround(natural * factor));
     if (!info.make || factor == 1.0) return refine(info.natural, wanted);
     double detail = std::sqrt(factor);
     Mesh mesh = info.make(detail);
@@ -71,7 +71,7 @@ Mesh Layout::tessellate(const PartInfo& info, double factor) const {
   }
   if (!info.make) return info.natural;
   const auto coarsest = static_cast<double>(info.make(0.0).triangles.size());
-  const auto wanted = static_cast<std::size_t>(coarsest + (natural - coarsest) * factor + 0.5);
+  const auto wanted = static_cast<std::size_t>(std::llround(coarsest + (natural - coarsest) * factor));
   return refine(info.make(factor), wanted);
 }
 
@@ -101,6 +101,6 @@ Affine place_at(const glm::dvec3& position, double turns, const glm::dvec3& scal
           glm::vec3(c.y * scale.z, 0.0, c.x * scale.z), glm::vec3(position)};
 }
 
-int scaled(int base, double detail, int least) { return std::max(least, static_cast<int>(base * detail + 0.5)); }
+int scaled(int base, double detail, int least) { return std::max(least, static_cast<int>(std::lround(base * detail))); }
 
 }  // namespace sightline

@@ -5,6 +5,7 @@
 
 #include "sightline/scene/generate/kinds.hpp"
 #include "sightline/scene/generate/plant_parts.hpp"
+#include "sightline/scene/generate/plot_grid.hpp"
 
 namespace sightline {
 namespace {
@@ -86,24 +87,28 @@ class PlotBuilder {
     for (const double x : {1.0, plot_x - 1})
       put(parts_.dike, {x, 0, 1}, 0.75, {plot_z - 2, random_.range(0.9, 1.3), 1});
     const bool spheres = random_.chance(0.3);
-    for (int i = 0; i < 6; ++i) {
-      const double x = 8 + 13 * (i % 3), z = 8.5 + 13 * (i / 3), radius = random_.range(3.5, 5.6);
-      if (spheres)
-        put(parts_.sphere, {x, 0, z}, 0, glm::dvec3(0.9 * radius));
-      else {
-        const double height = random_.range(7, 14);
-        put(parts_.tank, {x, 0, z}, 0, {radius, height, radius});
-        climb({x, 0, z + radius}, 0, static_cast<int>(0.88 * height / 3));
-        for (int k = 0; k < 8; ++k) {  // around the roof
-          const double side = 2 * 0.92 * radius * circle_point(1 / 16.0).y / 3;
-          const glm::dvec2 start = circle_point((k - 0.5) / 8.0) * (0.92 * radius);
-          put(parts_.handrail, {x + start.x, 0.9 * height, z - start.y}, k / 8.0 + 0.25, {side, 1, 1});
-        }
+    for (const double z : {8.5, 21.5})
+      for (const double x : {8.0, 21.0, 34.0}) {
+        const double radius = random_.range(3.5, 5.6), height = random_.range(7, 14), bore = random_.range(0.1, 0.2);
+        if (spheres)
+          put(parts_.sphere, {x, 0, z}, 0, glm::dvec3(0.9 * radius));
+        else
+          tank(x, z, radius, height);
+        pipe({x + radius - 0.3, 0.6, z}, 10 - radius, bore, true);
       }
-      pipe({x + radius - 0.3, 0.6, z}, 13 - radius - 3, random_.range(0.1, 0.2), true);
-    }
     pipe({2, 0.5, 0.5 * plot_z}, plot_x - 4, 0.2, true);
     pipe({14.5, 0.45, 2}, plot_z - 4, 0.2, false);
+  }
+
+  // With a ladder, and a handrail of eight pieces around the roof.
+  void tank(double x, double z, double radius, double height) {
+    put(parts_.tank, {x, 0, z}, 0, {radius, height, radius});
+    climb({x, 0, z + radius}, 0.0, static_cast<int>(0.88 * height / 3));
+    const double rail = 0.92 * radius, piece = 2 * rail * circle_point(0.0625).y;  // a side of the octagon
+    for (int k = 0; k < 8; ++k) {
+      const glm::dvec2 start = circle_point((k - 0.5) / 8.0) * rail;
+      put(parts_.handrail, {x + start.x, 0.9 * height, z - start.y}, k / 8.0 + 0.25, {piece / 3, 1, 1});
+    }
   }
 
   // Levels of girders and gratings, vessels on them, stairs of ladders.
@@ -116,7 +121,8 @@ class PlotBuilder {
       const double y = rise * level;
       if (level > 0) floor(x0, y, z0, bays_x, bays_z);
       for (std::uint32_t i = 0; i < bays_x * bays_z; ++i) {
-        const glm::dvec3 centre(x0 + bay * (i % bays_x + 0.5), y, z0 + bay * (i / bays_x + 0.5));
+        const std::uint32_t line = i / bays_x;
+        const glm::dvec3 centre(x0 + bay * (i % bays_x + 0.5), y, z0 + bay * (line + 0.5));
         const double kind = random_.uniform(), size = random_.range(0.5, 0.8);
         if (kind < 0.3)
           put(parts_.vessel, centre, 0, glm::dvec3(size));
@@ -138,7 +144,8 @@ class PlotBuilder {
     for (std::uint32_t j = 0; j <= bays_z; ++j) girder({x0, y - 0.25, z0 + bay * j}, bay * bays_x, true);
     for (std::uint32_t i = 0; i <= bays_x; ++i) girder({x0 + bay * i, y - 0.26, z0}, bay * bays_z, false);
     for (std::uint32_t i = 0; i < bays_x * bays_z; ++i) {
-      const glm::dvec3 corner(x0 + bay * (i % bays_x), y, z0 + bay * (i / bays_x));
+      const std::uint32_t line = i / bays_x;
+      const glm::dvec3 corner(x0 + bay * (i % bays_x), y, z0 + bay * line);
       if (random_.chance(0.15)) continue;  // a hole in the floor
       put(random_.chance(0.6) ? parts_.grating : parts_.platform, corner, 0, {bay, 1, bay});
     }
@@ -206,19 +213,10 @@ Scene generate_plant(const GenerateConfig& config) {
     layout.place(parts.tank, place_at({0, 0, 0}, 0, {8, 12, 8}));
     return layout.build();
   }
-  const std::uint32_t objects = config.objects - 1;
-  const std::uint32_t plots = std::max(1u, (objects + objects_per_plot / 2) / objects_per_plot);
-  const double pitch_x = plot_x + road, pitch_z = plot_z + road;
-  const auto columns = static_cast<std::uint32_t>(std::ceil(std::sqrt(plots * pitch_z / pitch_x)));
-  const std::uint32_t lines = (plots + columns - 1) / columns;
-  const glm::dvec2 size(columns * pitch_x, lines * pitch_z);
-  layout.place(parts.ground, place_at({0, 0, 0}, 0, {size.x + 20, 1, size.y + 20}));
-  for (std::uint32_t i = 0; i < plots; ++i) {
-    const glm::dvec2 corner((i % columns) * pitch_x + 0.5 * road - 0.5 * size.x,
-                            (i / columns) * pitch_z + 0.5 * road - 0.5 * size.y);
-    const std::uint32_t until = 1 + static_cast<std::uint32_t>(std::uint64_t{objects} * (i + 1) / plots);
-    PlotBuilder(layout, parts, corner, until, mix(config.seed, i + 1)).build();
-  }
+  const PlotGrid grid(config.objects - 1, objects_per_plot, {plot_x, plot_z}, road);
+  layout.place(parts.ground, place_at({0, 0, 0}, 0, {grid.size().x + 20, 1, grid.size().y + 20}));
+  for (std::uint32_t i = 0; i < grid.count; ++i)
+    PlotBuilder(layout, parts, grid.corner(i), 1 + grid.until(i), mix(config.seed, i + 1)).build();
   return layout.build();
 }
 

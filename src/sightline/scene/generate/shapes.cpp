@@ -169,9 +169,13 @@ Mesh make_wall(float width, float bottom, float top, float thickness, std::span<
   std::vector<char> filled;
   for (std::size_t r = 0; r + 1 < v.size(); ++r)
     for (std::size_t c = 0; c + 1 < u.size(); ++c)
-      filled.push_back(std::none_of(openings.begin(), openings.end(), [&](const Opening& o) {
-        return o.left <= u[c] && u[c + 1] <= o.right && o.bottom <= v[r] && v[r + 1] <= o.top;
-      }));
+      filled.push_back(std::any_of(openings.begin(), openings.end(),
+                                   [&](const Opening& o) {
+                                     return o.left <= u[c] && u[c + 1] <= o.right && o.bottom <= v[r] &&
+                                            v[r + 1] <= o.top;
+                                   })
+                           ? 0
+                           : 1);
   return make_plate(u, v, filled, thickness);
 }
 

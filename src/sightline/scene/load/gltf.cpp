@@ -23,6 +23,7 @@ class GltfReader {
       : document_(document), meshes_(document, builder_), visited_(document.count("nodes")) {}
 
   LoadedScene read() {
+    check_object_count();
     walk(roots());
     warn_of_unused();
     LoadedScene loaded;
@@ -56,6 +57,19 @@ class GltfReader {
     return nodes;
   }
 
+  /// So that a small file, in which many nodes share a mesh of many primitives, cannot ask for all memory.
+  void check_object_count() {
+    std::uint64_t objects = 0;
+    for (std::size_t i = 0; i < visited_.size(); ++i) {
+      const JsonObject node = document_.item("nodes", i);
+      const auto mesh = node.reference("mesh", document_.count("meshes"));
+      if (!mesh) continue;
+      objects += document_.item("meshes", *mesh).count("primitives") * instance_count(document_, node);
+      if (objects > most_objects) node.fail("the file has more than " + std::to_string(most_objects) + " objects");
+    }
+    document_.spend(objects * sizeof(Object), document_.root());
+  }
+
   /// Depth first, children in their order, without recursion.
   void walk(const std::vector<std::size_t>& roots) {
     std::vector<Visit> pending;
@@ -84,10 +98,7 @@ class GltfReader {
     for (const glm::dmat4& instance : instance_matrices(document_, node)) {
       const Affine transform = finite_affine(node, world * instance);
       for (const GltfMeshes::Part& part : parts) {
-        if (builder_.object_count() == most_objects) {
-          node.fail("the file has more than " + std::to_string(most_objects) + " objects");
-        }
-        document_.spend(sizeof(Object) + name.size(), node);
+        document_.spend(name.size(), node);
         builder_.add_object(part.mesh, transform, name, {static_cast<std::int32_t>(index), part.primitive},
                             part.opaque);
       }

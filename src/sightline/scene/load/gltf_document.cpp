@@ -62,7 +62,7 @@ void GltfDocument::check_extensions() {
 
 void GltfDocument::spend(std::uint64_t bytes, const JsonObject& what) {
   if (bytes > allowance_ - spent_) {
-    what.fail("the file asks for more than " + std::to_string(allowance_ >> 20) + " MiB of geometry");
+    what.fail("the file asks for more than " + std::to_string(allowance_ >> 20) + " MiB");
   }
   spent_ += bytes;
 }

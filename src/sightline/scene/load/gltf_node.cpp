@@ -57,6 +57,19 @@ glm::dmat4 node_matrix(const JsonObject& node) {
   return *composed;
 }
 
+std::uint64_t instance_count(const GltfDocument& document, const JsonObject& node) {
+  const std::optional<JsonObject> extension = gltf_extension(node, "EXT_mesh_gpu_instancing");
+  if (!extension) return 1;
+  const std::optional<JsonObject> attributes = extension->object("attributes");
+  if (!attributes) extension->fail("attributes", "is missing");
+  std::uint64_t count = 0;
+  for (const std::string_view name : {"TRANSLATION", "ROTATION", "SCALE"}) {
+    const auto accessor = attributes->reference(name, document.count("accessors"));
+    if (accessor) count = std::max(count, document.item("accessors", *accessor).required_integer("count", 0xFFFFFFFFu));
+  }
+  return count;
+}
+
 std::vector<glm::dmat4> instance_matrices(GltfDocument& document, const JsonObject& node) {
   const std::optional<JsonObject> extension = gltf_extension(node, "EXT_mesh_gpu_instancing");
   if (!extension) return {glm::dmat4(1.0)};

@@ -14,6 +14,9 @@ namespace sightline {
 /// InputError.
 glm::dmat4 node_matrix(const JsonObject& node);
 
+/// How many instances the node says it has (EXT_mesh_gpu_instancing); 1 if it has no such extension. Throws InputError.
+std::uint64_t instance_count(const GltfDocument& document, const JsonObject& node);
+
 /// Where the instances of a node lie relative to it (EXT_mesh_gpu_instancing); one identity if it has no such
 /// extension. Throws InputError.
 std::vector<glm::dmat4> instance_matrices(GltfDocument& document, const JsonObject& node);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <queue>
 
 namespace sightline {
@@ -87,7 +88,7 @@ void WalkGraph::link(const FreeSpace& space, double climb, bool fly) {
   };
   for (const Place& place : places_) ++first[column(place.cell.x, place.cell.z) + 1];
   for (std::size_t i = 1; i < first.size(); ++i) first[i] += first[i - 1];
-  link_ends_.clear();
+  link_starts_.assign(1, 0);
   links_.clear();
   for (const Place& place : places_) {
     for (int dz = -1; dz <= 1; ++dz)
@@ -105,65 +106,80 @@ void WalkGraph::link(const FreeSpace& space, double climb, bool fly) {
           if (near && !cuts_corner) links_.push_back(other);
         }
       }
-    link_ends_.push_back(static_cast<std::uint32_t>(links_.size()));
+    link_starts_.push_back(static_cast<std::uint32_t>(links_.size()));
   }
 }
 
-void WalkGraph::keep_largest_region(const Scene& scene) {
-  std::vector<std::uint32_t> region(places_.size(), nowhere), sizes, weights, stack;
+WalkGraph::Regions WalkGraph::find_regions() const {
+  Regions regions;
+  regions.of_place.assign(places_.size(), nowhere);
+  std::vector<std::uint32_t> stack;
   for (std::uint32_t start = 0; start < places_.size(); ++start) {
-    if (region[start] != nowhere) continue;
-    const auto name = static_cast<std::uint32_t>(sizes.size());
-    sizes.push_back(0);
-    weights.push_back(0);
-    region[start] = name;
+    if (regions.of_place[start] != nowhere) continue;
+    const auto name = static_cast<std::uint32_t>(regions.sizes.size());
+    regions.sizes.push_back(0);
+    regions.weights.push_back(0);
+    regions.of_place[start] = name;
     stack.push_back(start);
     while (!stack.empty()) {
       const std::uint32_t place = stack.back();
       stack.pop_back();
-      ++sizes[name];
-      weights[name] += places_[place].covered ? 16 : 1;  // rooms rather than the lawn around the house
-      for (std::uint32_t k = place == 0 ? 0 : link_ends_[place - 1]; k < link_ends_[place]; ++k)
-        if (region[links_[k]] == nowhere) {
-          region[links_[k]] = name;
-          stack.push_back(links_[k]);
+      ++regions.sizes[name];
+      regions.weights[name] += places_[place].covered ? 16 : 1;  // rooms rather than the lawn around the house
+      for (const std::uint32_t other : links_of(place))
+        if (regions.of_place[other] == nowhere) {
+          regions.of_place[other] = name;
+          stack.push_back(other);
         }
     }
   }
-  // A region is within one closed object or outside of it altogether, so a few of its places tell.
-  std::uint32_t best = nowhere;
-  std::vector<std::uint32_t> order(sizes.size());
-  for (std::uint32_t i = 0; i < order.size(); ++i) order[i] = i;
-  std::stable_sort(order.begin(), order.end(),
-                   [&](std::uint32_t a, std::uint32_t b) { return weights[a] > weights[b]; });
-  for (std::size_t k = 0; k < std::min<std::size_t>(order.size(), 16) && best == nowhere; ++k) {
-    int inside = 0, tested = 0;
-    std::uint32_t seen = 0;
-    for (std::uint32_t i = 0; i < places_.size() && tested < 7; ++i)
-      if (region[i] == order[k] && seen++ % (sizes[order[k]] / 7 + 1) == 0) {
-        ++tested;
-        inside += inside_closed_object(scene, places_[i].eye) ? 1 : 0;
-      }
-    if (2 * inside <= tested) best = order[k];
-  }
-  std::vector<std::uint32_t> renamed(places_.size(), nowhere);
+  return regions;
+}
+
+// A region lies within one closed object or outside of it altogether, so a few of its places tell.
+bool WalkGraph::inside_solid(const Scene& scene, const Regions& regions, std::uint32_t region) const {
+  constexpr std::uint32_t tests = 7;
+  const std::uint32_t stride = regions.sizes[region] / tests + 1;
+  std::uint32_t inside = 0, tested = 0, seen = 0;
+  for (std::uint32_t i = 0; i < places_.size() && tested < tests; ++i)
+    if (regions.of_place[i] == region && seen++ % stride == 0) {
+      ++tested;
+      inside += inside_closed_object(scene, places_[i].eye) ? 1 : 0;
+    }
+  return 2 * inside > tested;
+}
+
+void WalkGraph::keep_largest_region(const Scene& scene) {
+  const Regions regions = find_regions();
+  std::vector<std::uint32_t> order(regions.sizes.size());
+  std::iota(order.begin(), order.end(), 0u);
+  std::sort(order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) {
+    return regions.weights[a] != regions.weights[b] ? regions.weights[a] > regions.weights[b] : a < b;
+  });
+  if (order.size() > 16) order.resize(16);  // smaller ones are not worth the search
+  const auto best = std::find_if(order.begin(), order.end(),
+                                 [&](std::uint32_t region) { return !inside_solid(scene, regions, region); });
+  keep(regions, best == order.end() ? nowhere : *best);
+}
+
+void WalkGraph::keep(const Regions& regions, std::uint32_t region) {
+  std::vector<std::uint32_t> renamed(places_.size(), nowhere), starts{0}, links;
   std::vector<Place> kept;
   for (std::uint32_t i = 0; i < places_.size(); ++i)
-    if (best != nowhere && region[i] == best) {
+    if (regions.of_place[i] == region) {
       renamed[i] = static_cast<std::uint32_t>(kept.size());
       kept.push_back(places_[i]);
     }
-  std::vector<std::uint32_t> ends, links;
   for (std::uint32_t i = 0; i < places_.size(); ++i) {
     if (renamed[i] == nowhere) continue;
-    for (std::uint32_t k = i == 0 ? 0 : link_ends_[i - 1]; k < link_ends_[i]; ++k) links.push_back(renamed[links_[k]]);
-    ends.push_back(static_cast<std::uint32_t>(links.size()));
+    for (const std::uint32_t other : links_of(i)) links.push_back(renamed[other]);
+    starts.push_back(static_cast<std::uint32_t>(links.size()));
   }
   places_ = std::move(kept);
-  link_ends_ = std::move(ends);
+  link_starts_ = std::move(starts);
   links_ = std::move(links);
   for (std::size_t i = 0; i < places_.size(); ++i)
-    columns_ += i == 0 || places_[i].cell.x != places_[i - 1].cell.x || places_[i].cell.z != places_[i - 1].cell.z;
+    if (i == 0 || places_[i].cell.x != places_[i - 1].cell.x || places_[i].cell.z != places_[i - 1].cell.z) ++columns_;
 }
 
 // Places near the rim of the region cost more, up to four cells from it.
@@ -171,16 +187,16 @@ void WalkGraph::price(std::uint32_t all_around) {
   std::vector<int> distance(places_.size(), -1);
   std::vector<std::uint32_t> wave, next;
   for (std::uint32_t i = 0; i < places_.size(); ++i)
-    if (link_ends_[i] - (i == 0 ? 0 : link_ends_[i - 1]) < all_around) {
+    if (links_of(i).size() < all_around) {
       distance[i] = 0;
       wave.push_back(i);
     }
   for (int d = 1; d <= 4; ++d, wave.swap(next), next.clear())
     for (const std::uint32_t i : wave)
-      for (std::uint32_t k = i == 0 ? 0 : link_ends_[i - 1]; k < link_ends_[i]; ++k)
-        if (distance[links_[k]] < 0) {
-          distance[links_[k]] = d;
-          next.push_back(links_[k]);
+      for (const std::uint32_t other : links_of(i))
+        if (distance[other] < 0) {
+          distance[other] = d;
+          next.push_back(other);
         }
   constexpr float costs[] = {8.0f, 4.0f, 2.0f, 1.4f, 1.1f};
   for (std::uint32_t i = 0; i < places_.size(); ++i) places_[i].cost = distance[i] < 0 ? 1.0f : costs[distance[i]];
@@ -215,8 +231,7 @@ std::vector<glm::dvec3> WalkGraph::way(std::uint32_t from, std::uint32_t to) con
     open.pop();
     if (place == to) break;
     if (paid > cost[place]) continue;
-    for (std::uint32_t k = place == 0 ? 0 : link_ends_[place - 1]; k < link_ends_[place]; ++k) {
-      const std::uint32_t other = links_[k];
+    for (const std::uint32_t other : links_of(place)) {
       const glm::dvec3 step = places_[other].eye - places_[place].eye;
       const double sum = paid + std::sqrt(glm::dot(step, step)) * places_[other].cost;
       if (sum >= cost[other]) continue;

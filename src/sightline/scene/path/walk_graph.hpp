@@ -40,15 +40,25 @@ class WalkGraph {
     float cost;    // per metre, 1 in the open
     bool covered;  // something is above
   };
+  struct Regions {
+    std::vector<std::uint32_t> of_place;        // the region of every place
+    std::vector<std::uint32_t> sizes, weights;  // of every region
+  };
+  [[nodiscard]] std::span<const std::uint32_t> links_of(std::uint32_t place) const {
+    return std::span(links_).subspan(link_starts_[place], link_starts_[place + 1] - link_starts_[place]);
+  }
   void find_walk_places(const FreeSpace& space, double eye_height);
   void find_ground_places(const Scene& scene, const FreeSpace& space, double eye_height);
   void find_fly_places(const FreeSpace& space);
   void link(const FreeSpace& space, double climb, bool fly);
+  [[nodiscard]] Regions find_regions() const;
+  [[nodiscard]] bool inside_solid(const Scene& scene, const Regions& regions, std::uint32_t region) const;
   void keep_largest_region(const Scene& scene);
+  void keep(const Regions& regions, std::uint32_t region);
   void price(std::uint32_t all_around);
 
   std::vector<Place> places_;
-  std::vector<std::uint32_t> link_ends_;  // links of place i are links_[link_ends_[i - 1] .. link_ends_[i])
+  std::vector<std::uint32_t> link_starts_;  // links of place i are links_[link_starts_[i] .. link_starts_[i + 1])
   std::vector<std::uint32_t> links_;
   std::size_t columns_ = 0;
 };

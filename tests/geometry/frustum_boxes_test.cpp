@@ -1,0 +1,54 @@
+// SIMD against the one-by-one reference: every target, every tail size, empty boxes, infinite far planes.
+#include "sightline/geometry/frustum_boxes.hpp"
+
+#include <gtest/gtest.h>
+#include <hwy/targets.h>
+
+#include "sightline/scene/generate/random.hpp"
+#include "sightline/scene/view.hpp"
+
+namespace sightline {
+namespace {
+
+std::vector<Aabb> random_boxes(std::size_t count, std::uint64_t seed) {
+  Random random(seed);
+  std::vector<Aabb> boxes(count);
+  for (std::size_t i = 0; i < count; ++i) {
+    const glm::vec3 at(random.range(-50, 50), random.range(-50, 50), random.range(-50, 50));
+    if (i % 17 != 5) boxes[i] = {at, at + glm::vec3(random.range(0, 9), random.range(0, 9), random.range(0, 9))};
+  }
+  return boxes;
+}
+
+std::vector<std::uint32_t> found(const BoxArrays& boxes, const Frustum& frustum,
+                                 std::size_t (*test)(const BoxArrays&, const Frustum&, std::uint32_t*)) {
+  std::vector<std::uint32_t> ids(boxes.count + 16);
+  ids.resize(test(boxes, frustum, ids.data()));
+  return ids;
+}
+
+TEST(FrustumBoxes, EveryTargetAndTailGivesTheReferencesAnswer) {
+  Random random(3);
+  std::size_t inside = 0, all = 0;
+  for (const std::int64_t target : hwy::SupportedAndGeneratedTargets()) {
+    hwy::SetSupportedTargetsForTest(target);
+    hwy::GetChosenTarget().DeInit();
+    for (std::size_t count = 0; count < 70; ++count) {
+      const BoxArrays boxes(random_boxes(count, count));
+      View view = look_along({random.range(-50, 50), random.range(-50, 50), random.range(-50, 50)}, random.direction());
+      if (count % 3 == 0) view.far = std::numeric_limits<double>::infinity();
+      const Frustum frustum = view_frustum(view, 60);
+      const auto reference = found(boxes, frustum, boxes_in_frustum_scalar);
+      EXPECT_EQ(found(boxes, frustum, boxes_in_frustum), reference) << count << " on " << hwy::TargetName(target);
+      inside += reference.size();
+      all += count;
+    }
+  }
+  hwy::SetSupportedTargetsForTest(0);
+  hwy::GetChosenTarget().DeInit();
+  EXPECT_GT(inside, all / 50);  // the views do see some of the boxes and not all of them
+  EXPECT_LT(inside, all / 2);
+}
+
+}  // namespace
+}  // namespace sightline
