@@ -103,6 +103,18 @@ TEST(SmoothWay, CutsCornersAndKeepsEnds) {
   EXPECT_GT(Trail(smooth).length(), 8 * std::sqrt(2.0));
 }
 
+TEST(SmoothWay, GoesRoundAndNotThrough) {
+  SceneBuilder builder;
+  builder.add_object(builder.add_mesh(shapes::cube()),
+                     Affine(glm::vec3(10, 0, 0), glm::vec3(0, 10, 0), glm::vec3(0, 0, 10), glm::vec3(0)));
+  const Scene scene = builder.build();
+  const FreeSpace space(scene, config_of(0.5, 6.0));
+  const std::vector<glm::dvec3> round{{-2, 5, 5}, {-2, 5, 12}, {5, 5, 12}};
+  const std::vector<glm::dvec3> smooth = smooth_way(space, round, 1000);
+  for (const glm::dvec3& point : smooth) EXPECT_TRUE(space.free(point)) << point.x << ' ' << point.z;
+  EXPECT_LT(Trail(smooth).length(), Trail(round).length());
+}
+
 TEST(Trail, MeasuresAlongTheLine) {
   const Trail trail({{0, 0, 0}, {3, 0, 0}, {3, 0, 0}, {3, 4, 0}});
   EXPECT_EQ(trail.length(), 7);
