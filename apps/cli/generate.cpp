@@ -10,6 +10,7 @@
 namespace sightline::cli {
 
 int run_generate(const GenerateOptions& options) {
+  if (!options.output.ends_with(".glb")) throw UsageError(options.output + ": scenes are written as .glb files");
   JsonOutput output(options.common);
   GenerateConfig config;
   config.objects = options.objects;

@@ -76,6 +76,60 @@ inline Scene degenerate_scene() {
   return builder.build();
 }
 
+/// A bumpy sheet of n x n squares; every third triangle turned around if `mixed`.
+inline Mesh sheet(std::uint32_t n, float height, bool mixed) {
+  Mesh mesh;
+  mesh.name = "sheet";
+  for (std::uint32_t j = 0; j <= n; ++j)
+    for (std::uint32_t i = 0; i <= n; ++i)
+      mesh.positions.emplace_back(2.0f * static_cast<float>(i) / static_cast<float>(n) - 1,
+                                  2.0f * static_cast<float>(j) / static_cast<float>(n) - 1,
+                                  (i + 2 * j) % 3 == 0 ? height : -height);
+  for (std::uint32_t j = 0; j < n; ++j)
+    for (std::uint32_t i = 0; i < n; ++i) {
+      const std::uint32_t a = j * (n + 1) + i, b = a + n + 1;
+      mesh.triangles.push_back({a, a + 1, b + 1});
+      mesh.triangles.push_back({a, b + 1, b});
+    }
+  for (std::size_t t = 0; mixed && t < mesh.triangles.size(); t += 3)
+    std::swap(mesh.triangles[t].x, mesh.triangles[t].y);
+  return mesh;
+}
+
+/// What float arithmetic likes least: occluders that are sheared, squashed almost flat, mirrored, far from their own
+/// origin or all far from the world's; sheets that fold, that turn their triangles either way, or that share an edge by
+/// four; and small cubes before, in and behind them.
+inline Scene awkward_scene(std::uint64_t seed, double far) {
+  Random random(seed);
+  SceneBuilder builder;
+  Mesh fan;
+  fan.positions = {{0, -1, 0}, {0, 1, 0}, {1, 0, 0}, {-1, 0, 0.1f}, {0.1f, 0, 1}, {0, 0.2f, -1}};
+  fan.triangles = {{0, 1, 2}, {1, 0, 3}, {0, 1, 4}, {0, 1, 5}};
+  const Mesh kinds[] = {sheet(30, 0.01f, false), sheet(6, 0.7f, false), sheet(9, 0.05f, true), fan, cube(1)};
+  const MeshId small = builder.add_mesh(cube(1));
+  const glm::dvec3 origin = far * random.direction();
+  for (int i = 0; i < 8; ++i) {
+    glm::dmat3 linear = glm::mat3_cast(glm::angleAxis(random.range(0, 6), random.direction())) * random.range(0.3, 3);
+    if (i % 2 == 0)  // squash
+      linear = linear * glm::dmat3(1, 0, 0, 0, 1, 0, 0, 0, random.power_of_two_range(-22, -5)) *
+               glm::mat3_cast(glm::angleAxis(random.range(0, 6), random.direction()));
+    if (i % 3 == 0) linear = linear * glm::dmat3(1, 0, 0, random.range(-3, 3), 1, 0, 0, 0, i % 2 == 0 ? 1 : -1);
+    glm::dvec3 place = origin + 2.0 * random.direction();
+    Mesh mesh = kinds[random.below(5)];
+    const glm::dvec3 own = i % 4 == 1 ? 200.0 * random.direction() : glm::dvec3(0);
+    for (glm::vec3& p : mesh.positions) p = glm::vec3(glm::dvec3(p) + own);
+    place -= linear * own;
+    builder.add_object(builder.add_mesh(mesh), {linear[0], linear[1], linear[2], place});
+    for (int k = 0; k < 40; ++k) {
+      const float size = static_cast<float>(random.power_of_two_range(-10, -4));
+      const glm::dvec3 at = place + linear * (own + glm::dvec3(random.range(-1, 1), random.range(-1, 1), 0)) +
+                            random.power_of_two_range(-12, 0) * random.direction();
+      builder.add_object(small, {{size, 0, 0}, {0, size, 0}, {0, 0, size}, at});
+    }
+  }
+  return builder.build();
+}
+
 inline std::vector<Case> generated() {
   std::vector<Case> all;
   for (const Generator& generator : generators()) {
@@ -85,6 +139,10 @@ inline std::vector<Case> generated() {
     all.push_back({std::string(generator.name), generator.make(config)});
   }
   all.push_back({"degenerate", degenerate_scene()});
+  for (const std::uint64_t seed : {1, 2, 3}) {
+    all.push_back({"awkward " + std::to_string(seed), awkward_scene(seed, 0)});
+    all.push_back({"awkward and far " + std::to_string(seed), awkward_scene(seed, 5000)});
+  }
   for (const float gap : {0.0f, 1e-4f, 0.003f, 0.02f, 0.1f})
     all.push_back({"gap " + std::to_string(gap), gap_scene(gap)});
   return all;
@@ -117,6 +175,7 @@ inline std::vector<View> hard_views(const Scene& scene, int count, std::uint64_t
     }
     view.fov_y = i % 8 == 7 ? random.range(0.02, 3.0) : random.range(0.5, 1.5);
     view.near = i % 3 == 0 ? 1e-3 * size : 1e-5 * size;
+    view.near = std::max(view.near, 2e-6 * glm::length(view.eye));  // where a float still tells eye and plane apart
     view.far = i % 5 == 4 ? std::numeric_limits<double>::infinity() : 3 * size;
     if (i % 6 == 5) {
       view.projection = Projection::orthographic;

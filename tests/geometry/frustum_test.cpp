@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "properties.hpp"
+#include "sightline/scene/view.hpp"
 
 namespace sightline {
 namespace {
@@ -144,6 +145,19 @@ RC_GTEST_PROP(FrustumProperty, RejectsMostOfWhatIsOutside, ()) {
   RC_PRE(far_outside);
   RC_ASSERT(!(std::abs(p.x) <= p.w && std::abs(p.y) <= p.w && std::abs(p.z) <= p.w));
   RC_ASSERT(classify(frustum, box) == Containment::outside);
+}
+
+RC_GTEST_PROP(FrustumProperty, AFarPlaneThatIsOnlyNoiseCullsNothing, ()) {
+  // Far planes up to 1e13 times as far as the near plane: what the matrix in double cannot tell must not cull.
+  View view = look_along(properties::point(100), properties::direction());
+  view.near = std::pow(10.0, properties::number(-6, 0));
+  view.far = view.near * std::pow(10.0, properties::number(3, 13));
+  view.width = view.height = 100;
+  const double depth = view.near + properties::number(0.001, 0.999) * (view.far - view.near);
+  const PixelRay ray = pixel_ray(view, properties::number(1, 99), properties::number(1, 99));
+  const glm::vec3 point(ray.origin + depth * ray.direction);
+  const Frustum frustum = view_frustum(view, reach(Aabb{point, point}));
+  RC_ASSERT(classify(frustum, Aabb{point, point}) != Containment::outside);
 }
 
 }  // namespace

@@ -174,5 +174,16 @@ RC_GTEST_PROP(SceneProperty, BoundsHoldEveryVertexAndLittleMore, ()) {
   }
 }
 
+TEST(Scene, RefusesWhatLiesBeyondAllReach) {
+  for (const float far : {1e16f, 1e30f}) {
+    SceneBuilder builder;
+    builder.add_object(builder.add_mesh(shapes::cube()), moved(far, 0, 0));
+    EXPECT_THROW(builder.build(), InputError) << far;
+  }
+  SceneBuilder builder;
+  builder.add_object(builder.add_mesh(shapes::cube()), moved(1e14f, 0, 0));
+  EXPECT_NO_THROW(builder.build());
+}
+
 }  // namespace
 }  // namespace sightline

@@ -104,6 +104,22 @@ TEST(View, CheckNamesWhatIsWrong) {
       {"field of view", [&](View& v) { v.fov_y = 3.1415926535897932; }},
       {"field of view", [&](View& v) { v.fov_y = nan; }},
       {"near plane", [&](View& v) { v.near = 0; }},
+      {"near plane",
+       [&](View& v) {
+         v.near = 1e16;
+         v.far = 1e17;
+       }},
+      {"eye of the view is farther", [&](View& v) { v.eye.x = 1e16; }},
+      {"near plane",
+       [&](View& v) {
+         v.projection = Projection::orthographic;
+         v.near = -1;
+       }},
+      {"height of an orthographic view",
+       [&](View& v) {
+         v.projection = Projection::orthographic;
+         v.span_y = 1e16;
+       }},
       {"near plane", [&](View& v) { v.near = nan; }},
       {"near plane", [&](View& v) { v.near = v.far = infinity; }},
       {"far plane", [&](View& v) { v.far = v.near; }},
@@ -200,6 +216,14 @@ TEST(View, DescribesItselfAsOptions) {
   const std::string text = describe(sample_view());
   for (const char* part : {"--eye 3,4,5", "--look ", "--fov 51.566", "--size 640x360", "--near 0.25", "--far 300"})
     EXPECT_NE(text.find(part), std::string::npos) << text;
+}
+
+TEST(View, LooksAlongDirectionsOfAnyLength) {
+  for (const double length : {1e-300, 1.0, 1e300}) {
+    const glm::dvec3 d = view_direction(look_along({0, 0, 0}, {length, 0, length}));
+    EXPECT_NEAR(d.x, std::sqrt(0.5), 1e-12);
+    EXPECT_NEAR(d.z, std::sqrt(0.5), 1e-12);
+  }
 }
 
 }  // namespace

@@ -77,5 +77,21 @@ TEST(SaveGlb, UnwritablePlacesAreInputErrors) {
   EXPECT_TRUE(std::filesystem::is_empty(folder.path()));
 }
 
+TEST(SaveGlb, KeepsLinksAndRefusesWhatIsNoFile) {
+  namespace fs = std::filesystem;
+  const fs::path folder = fs::temp_directory_path() / ("sightline_links_" + std::to_string(getpid()));
+  fs::create_directories(folder);
+  const Scene scene = SceneBuilder().build();
+  save_glb(scene, folder / "target.glb");
+  fs::create_symlink(folder / "target.glb", folder / "link.glb");
+  save_glb(scene, folder / "link.glb");
+  EXPECT_TRUE(fs::is_symlink(folder / "link.glb"));
+  EXPECT_TRUE(fs::is_regular_file(folder / "target.glb"));
+  ASSERT_EQ(mkfifo((folder / "pipe.glb").c_str(), 0600), 0);
+  EXPECT_THROW(save_glb(scene, folder / "pipe.glb"), InputError);
+  EXPECT_TRUE(fs::is_fifo(folder / "pipe.glb"));
+  fs::remove_all(folder);
+}
+
 }  // namespace
 }  // namespace sightline::test

@@ -91,7 +91,7 @@ struct OcclusionBuffer::State {
       const glm::vec3 size = glm::max(glm::abs(mesh.bounds.lo), glm::abs(mesh.bounds.hi));
       const glm::vec3 terms = glm::abs(transform[0]) * size.x + glm::abs(transform[1]) * size.y +
                               glm::abs(transform[2]) * size.z + glm::abs(transform[3]);
-      rounding = 0x1p-22 * static_cast<double>(std::max({terms.x, terms.y, terms.z}));
+      rounding = 0x1p-21 * static_cast<double>(std::max({terms.x, terms.y, terms.z}));
     }
     if (!perspective)
       return {static_cast<float>(base_margin + rounding * pixels_per_unit), 0.0f,

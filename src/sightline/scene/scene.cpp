@@ -119,8 +119,8 @@ Scene SceneBuilder::build() {
   scene_.triangle_count_ = 0;
   for (std::size_t i = 0; i < scene_.objects_.size(); ++i) {
     const Object& object = scene_.objects_[i];
-    if (!object.bounds.empty() && !(finite(object.bounds.lo) && finite(object.bounds.hi)))
-      throw InputError("", "object " + std::to_string(i), "its transformed vertices overflow");
+    if (!(static_cast<double>(reach(object.bounds)) <= largest_distance))  // also what is not finite any more
+      throw InputError("", "object " + std::to_string(i), "it reaches farther than 1e15 m from the origin");
     scene_.bounds_.extend(object.bounds);
     scene_.triangle_count_ += scene_.meshes_[object.mesh].triangles.size();
   }

@@ -1,5 +1,6 @@
 #include "sightline/scene/view.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 
@@ -15,29 +16,30 @@ bool finite(const glm::dvec3& v) { return std::isfinite(v.x) && std::isfinite(v.
 void check_view(const View& v) {
   constexpr double pi = 3.14159265358979323846;
   if (!finite(v.eye)) throw InputError("the eye of the view is not finite");
+  if (glm::length(v.eye) > largest_distance)
+    throw InputError("the eye of the view is farther than 1e15 m from the origin");
   const double norm = glm::length(v.orientation);
   if (!(std::abs(norm - 1.0) < 1e-6)) throw InputError("the orientation of the view is not a unit quaternion");
   if (v.projection == Projection::perspective) {
     if (!(v.fov_y > 1e-4 && v.fov_y < pi - 1e-4))
       throw InputError("the field of view must lie between 0 and 180 degrees");
-    if (!(v.near > 0.0 && std::isfinite(v.near)))
-      throw InputError("the near plane must lie at a finite distance above 0");
     if (!(v.far > v.near)) throw InputError("the far plane must lie beyond the near plane");
   } else {
-    if (!(v.span_y > 0.0 && std::isfinite(v.span_y)))
-      throw InputError("the height of an orthographic view must be above 0");
-    if (!std::isfinite(v.near)) throw InputError("the near plane must lie at a finite distance");
+    if (!(v.span_y > 0.0 && v.span_y <= largest_distance))
+      throw InputError("the height of an orthographic view must be above 0 and at most 1e15 m");
     if (!(v.far > v.near && std::isfinite(v.far)))
       throw InputError("the far plane of an orthographic view must be finite and beyond the near plane");
   }
+  if (!(v.near > 0.0 && v.near <= largest_distance))
+    throw InputError("the near plane must lie at a distance above 0 and at most 1e15 m");
   if (v.width < 1 || v.height < 1 || v.width > 16384 || v.height > 16384)
     throw InputError("the viewport must be 1 to 16384 pixels wide and high");
 }
 
 View look_along(const glm::dvec3& eye, const glm::dvec3& direction, const glm::dvec3& up) {
-  const double length = glm::length(direction);
-  if (!finite(direction) || !(length > 0.0)) throw InputError("the view direction must be finite and not zero");
-  const glm::dvec3 back = -direction / length;
+  const double largest = std::max({std::abs(direction.x), std::abs(direction.y), std::abs(direction.z)});
+  if (!finite(direction) || !(largest > 0.0)) throw InputError("the view direction must be finite and not zero");
+  const glm::dvec3 back = -glm::normalize(direction / largest);  // in two steps: squares of extreme numbers overflow
   glm::dvec3 right = glm::cross(up, back);
   if (!(glm::length(right) > 1e-9))  // looking along `up`: any perpendicular will do, the least aligned axis is safe
     right = glm::cross(std::abs(back.x) < 0.5 ? glm::dvec3(1, 0, 0) : glm::dvec3(0, 0, 1), back);

@@ -7,6 +7,7 @@
 #include <string>
 
 #include "sightline/geometry/frustum.hpp"
+#include "sightline/scene/scene.hpp"
 
 namespace sightline {
 
@@ -23,7 +24,8 @@ struct View {
   int width = 1280, height = 720;     // viewport in pixels, 1 to 16384
 };
 
-/// Throws InputError with the reason if a field is not finite or out of its range.
+/// Throws InputError with the reason if a field is not finite or out of its range, or a distance above
+/// largest_distance.
 void check_view(const View& view);
 
 /// View at `eye`, rounded to float as all geometry is, that looks along `direction` (any length > 0); `up` need not be

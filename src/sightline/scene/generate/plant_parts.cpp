@@ -124,11 +124,13 @@ Mesh ladder_mesh() {
   return mesh;
 }
 
+// Bearing bars, and cross bars within them.
 Mesh grating_mesh() {
   Mesh mesh;
-  for (int i = 0; i < 10; ++i) {
-    const float z = 0.1f * static_cast<float>(i);
-    append(mesh, make_box({0, -0.04f, z}, {1, 0, z + 0.02f}));
+  constexpr int bars = 24;
+  for (int i = 0; i < bars; ++i) {
+    const float z = static_cast<float>(i) / bars;
+    append(mesh, make_box({0, -0.04f, z}, {1, 0, z + 0.008f}));
   }
   for (const float x : {0.1f, 0.5f, 0.9f}) append(mesh, make_box({x, -0.03f, 0.001f}, {x + 0.01f, -0.01f, 0.999f}));
   return mesh;

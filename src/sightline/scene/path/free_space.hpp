@@ -59,8 +59,7 @@ class FreeSpace {
   std::vector<float> floor_;
 };
 
-/// True iff a ray from the point along +y crosses the surfaces of closed objects an odd number of times in sum of one
-/// object.
+/// True iff the point lies inside of a closed object: the ray along +y crosses its surface an odd number of times.
 bool inside_closed_object(const Scene& scene, const glm::dvec3& point);
 
 }  // namespace sightline

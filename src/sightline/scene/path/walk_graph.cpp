@@ -26,6 +26,7 @@ WalkGraph::WalkGraph(const Scene& scene, const FreeSpace& space, Gait gait, doub
             [](const Place& a, const Place& b) { return column_before(a.cell, b.cell); });
   // Stairs and kerbs, but not furniture; a coarse grid sees a slope as steps of its own size.
   link(space, std::max(0.22 * eye_height, space.cell()), gait == Gait::fly);
+  find_rooms(0.02 * eye_height);
   keep_largest_region(scene);
   price(gait == Gait::fly ? 6 : 8);
 }
@@ -110,6 +111,17 @@ void WalkGraph::link(const FreeSpace& space, double climb, bool fly) {
   }
 }
 
+// A roof above and a flat floor below: rooms, but not the top of a bundle of pipes or the ground below a tree.
+void WalkGraph::find_rooms(double unevenness) {
+  for (std::uint32_t i = 0; i < places_.size(); ++i) {
+    const auto links = links_of(i);
+    const auto level = std::count_if(links.begin(), links.end(), [&](std::uint32_t other) {
+      return std::abs(places_[other].floor - places_[i].floor) <= unevenness;
+    });
+    places_[i].in_room = places_[i].covered && level >= 5;
+  }
+}
+
 WalkGraph::Regions WalkGraph::find_regions() const {
   Regions regions;
   regions.of_place.assign(places_.size(), nowhere);
@@ -125,7 +137,7 @@ WalkGraph::Regions WalkGraph::find_regions() const {
       const std::uint32_t place = stack.back();
       stack.pop_back();
       ++regions.sizes[name];
-      regions.weights[name] += places_[place].covered ? 16 : 1;  // rooms rather than the lawn around the house
+      regions.weights[name] += places_[place].in_room ? 16 : 1;  // rooms rather than the lawn around the house
       for (const std::uint32_t other : links_of(place))
         if (regions.of_place[other] == nowhere) {
           regions.of_place[other] = name;
@@ -203,12 +215,12 @@ void WalkGraph::price(std::uint32_t all_around) {
 }
 
 std::vector<std::uint32_t> WalkGraph::goals() const {
-  std::vector<std::uint32_t> covered, all;
+  std::vector<std::uint32_t> in_rooms, all;
   for (std::uint32_t i = 0; i < places_.size(); ++i) {
     all.push_back(i);
-    if (places_[i].covered) covered.push_back(i);
+    if (places_[i].in_room) in_rooms.push_back(i);
   }
-  return 4 * covered.size() > all.size() ? covered : all;
+  return 4 * in_rooms.size() > all.size() ? in_rooms : all;
 }
 
 double WalkGraph::extent() const {

@@ -25,7 +25,7 @@ class WalkGraph {
   /// How many columns of the grid they stand in, of how many.
   [[nodiscard]] std::size_t columns() const { return columns_; }
   [[nodiscard]] const glm::dvec3& position(std::size_t place) const { return places_[place].eye; }
-  /// Places worth going to: those under a roof where there are many of them, else all.
+  /// Places worth going to: those in rooms where there are many of them, else all.
   [[nodiscard]] std::vector<std::uint32_t> goals() const;
   /// Horizontal diagonal of the region, metres.
   [[nodiscard]] double extent() const;
@@ -39,6 +39,7 @@ class WalkGraph {
     glm::dvec3 eye;
     float cost;    // per metre, 1 in the open
     bool covered;  // something is above
+    bool in_room = false;
   };
   struct Regions {
     std::vector<std::uint32_t> of_place;        // the region of every place
@@ -50,6 +51,7 @@ class WalkGraph {
   void find_walk_places(const FreeSpace& space, double eye_height);
   void find_ground_places(const Scene& scene, const FreeSpace& space, double eye_height);
   void find_fly_places(const FreeSpace& space);
+  void find_rooms(double unevenness);
   void link(const FreeSpace& space, double climb, bool fly);
   [[nodiscard]] Regions find_regions() const;
   [[nodiscard]] bool inside_solid(const Scene& scene, const Regions& regions, std::uint32_t region) const;

@@ -8,9 +8,14 @@
 
 namespace sightline {
 
-NewFile::NewFile(std::filesystem::path path) : path_(std::move(path)), temporary_(path_) {
+NewFile::NewFile(std::filesystem::path path) : path_(std::move(path)) {
   std::error_code error;
   if (std::filesystem::is_directory(path_, error)) throw InputError(path_.string(), "", "is a directory");
+  // A link keeps its place and its target is replaced; a device or pipe must not become a file.
+  if (std::filesystem::is_symlink(path_, error)) path_ = std::filesystem::weakly_canonical(path_, error);
+  if (std::filesystem::exists(path_, error) && !std::filesystem::is_regular_file(path_, error))
+    throw InputError(path_.string(), "", "is not a regular file");
+  temporary_ = path_;
   temporary_ += '.';
   temporary_ += std::to_string(std::random_device()());
   temporary_ += ".part";
