@@ -204,9 +204,9 @@ int OcclusionBuffer::height() const { return state_->tiles.height; }
 
 float OcclusionBuffer::hidden_beyond(int x, int y) const {
   const raster::Tiles& t = state_->tiles;
-  const auto tile = static_cast<std::size_t>(y / raster::tile_size * t.across + x / raster::tile_size);
-  const auto lane = static_cast<std::size_t>(y % raster::tile_size * raster::tile_size + x % raster::tile_size);
-  const float near = t.hidden[tile * raster::tile_pixels + lane];
+  const int tile = y / raster::tile_size * t.across + x / raster::tile_size;
+  const int lane = y % raster::tile_size * raster::tile_size + x % raster::tile_size;
+  const float near = t.hidden[static_cast<std::size_t>(tile) * raster::tile_pixels + static_cast<std::size_t>(lane)];
   if (near == raster::nothing_near) return std::numeric_limits<float>::infinity();
   return state_->perspective ? 1.0f / near : -near;
 }
