@@ -34,6 +34,7 @@ struct CommonOptions {
   std::uint64_t seed = 1;  // of generated scenes and paths
   std::string json;        // file for the result as JSON, "-" for standard output, empty for none
   bool quiet = false;      // no progress, no warnings, no tables
+  std::string command;     // the command line as a person would type it again; set by main
 
   [[nodiscard]] bool json_to_stdout() const { return json == "-"; }
 };
@@ -79,9 +80,8 @@ struct WalkOptions {
   CameraOptions camera;
   bool ids = false;
   bool verify = true;
-  int samples = 1;      // n x n oracle samples for each pixel
-  std::string report;   // folder for the report page, empty for none
-  std::string command;  // the command line, for the report
+  int samples = 1;     // n x n oracle samples for each pixel
+  std::string report;  // folder for the report page, empty for none
 };
 
 struct RenderOptions {

@@ -31,7 +31,7 @@ void check_methods(const WalkOptions& options) {
 WalkReport start_report(const WalkOptions& options, const Scene& scene) {
   WalkReport report;
   report.scene_name = options.scene;
-  report.command = options.command;
+  report.command = options.common.command;
   report.scene = &scene;
   report.width = options.camera.width;
   report.height = options.camera.height;

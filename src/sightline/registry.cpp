@@ -16,6 +16,7 @@ namespace {
 constexpr auto cont = Promise::conservative_continuous;
 
 constexpr std::array rows{
+    // Culling of objects.
     Algorithm{"none", Family::culler, cont, "every candidate: the trivial potentially visible set", "-", "16.01",
               make_none},
     Algorithm{"frustum_linear", Family::culler, cont, "every object's box against the planes of the frustum",
@@ -24,6 +25,8 @@ constexpr std::array rows{
               "Clark 1976; Bishop 1998", "20.17 20.18", make_frustum_hierarchical},
     Algorithm{"occlusion_masked", Family::culler, cont, "what large objects hide, in a small conservative depth image",
               "Hasselgren 2016", "21.02 21.05 21.06 21.09", make_occlusion_masked},
+
+    // Visible surfaces.
     Algorithm{"zbuffer", Family::renderer, Promise::exact, "per pixel the nearest surface, every triangle drawn",
               "Strasser 1974; Catmull 1974", "3.01-3.05 3.11", nullptr, make_zbuffer},
 };

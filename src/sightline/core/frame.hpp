@@ -1,4 +1,4 @@
-// The one image type. Row 0 is the top row; every plane has width * height entries.
+// The one image type. Row 0 is the top row; every plane has width * height entries, colour may be empty.
 #pragma once
 
 #include <cstdint>
@@ -17,6 +17,8 @@ struct Frame {
   std::vector<ObjectId> object;
   /// Triangle within the object's mesh; undefined where there is no object.
   std::vector<std::uint32_t> triangle;
+  /// 0xAABBGGRR (bytes r, g, b, a in memory). Empty where the renderer does not shade.
+  std::vector<std::uint32_t> colour;
 
   /// Sets the size and clears to the background.
   void clear(int new_width, int new_height) {
@@ -26,6 +28,7 @@ struct Frame {
     depth.assign(pixels, std::numeric_limits<float>::infinity());
     object.assign(pixels, no_object);
     triangle.assign(pixels, 0);
+    colour.clear();
   }
   [[nodiscard]] std::size_t index(int x, int y) const {
     return static_cast<std::size_t>(y) * static_cast<std::size_t>(width) + static_cast<std::size_t>(x);

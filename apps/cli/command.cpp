@@ -1,0 +1,57 @@
+#include "command.hpp"
+
+#include <fmt/format.h>
+
+#include <tuple>
+
+namespace sightline::cli {
+
+CLI::Option* add_text(CLI::App& app, const std::string& flags, const std::string& type, const std::string& help,
+                      const std::string& shown_default, const std::function<void(const std::string&)>& read) {
+  const auto callback = [read](const CLI::results_t& results) {
+    read(results.front());
+    return true;
+  };
+  CLI::Option* option = app.add_option(flags, callback, help)->type_name(type);
+  if (!shown_default.empty()) option->default_str(shown_default);
+  return option;
+}
+
+CLI::Option* add_metres(CLI::App& app, const std::string& flag, const std::string& help, std::optional<double>& value,
+                        bool may_be_infinite) {
+  return add_text(app, flag, "METRES", help, "", [flag, &value, may_be_infinite](const std::string& text) {
+    value = parse_positive(flag, text, may_be_infinite);
+  });
+}
+
+void add_common(CLI::App& app, CommonOptions& options) {
+  add_whole(app, "--threads", "threads to use; 0 for all", options.threads, 0, most_threads);
+  add_whole(app, "--seed", "seed of generated scenes and paths", options.seed, 0, UINT64_MAX);
+  app.add_option("--json", options.json, "write the result as JSON; - for standard output")->type_name("FILE");
+  app.add_flag("--quiet", options.quiet, "no progress, warnings or tables");
+}
+
+void add_scene(CLI::App& app, std::string& scene) {
+  app.add_option("SCENE", scene, "a scene file, or generate:KIND[:objects=N][:triangles=N][:seed=N]")->required();
+}
+
+void add_camera(CLI::App& app, CameraOptions& options) {
+  add_text(app, "--size", "WxH", "pixels of the view", "1280x720", [&options](const std::string& text) {
+    std::tie(options.width, options.height) = parse_size("--size", text);
+  });
+  add_text(app, "--fov", "DEGREES", "vertical angle of the view, below 180", "60", [&options](const std::string& text) {
+    options.fov = parse_positive("--fov", text);
+    if (options.fov >= 180.0) throw UsageError(fmt::format("--fov: '{}' is not below 180", text));
+  });
+  add_metres(app, "--near", "near plane [from the size of the scene]", options.near);
+  add_metres(app, "--far", "far plane, or inf [far enough for the scene]", options.far, true);
+  add_metres(app, "--ortho", "orthographic view of this height", options.ortho);
+}
+
+void add_path(CLI::App& app, PathOptions& options) {
+  app.add_option("--path", options.path, "viewpoints as text or JSON, or 'stress' [a generated walk]")
+      ->type_name("FILE");
+  add_whole(app, "--frames", "views on the path", options.frames, 1, most_frames);
+}
+
+}  // namespace sightline::cli

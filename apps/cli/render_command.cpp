@@ -1,0 +1,53 @@
+// The options of sightline render.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <string_view>
+
+#include "command.hpp"
+#include "verbs.hpp"
+
+namespace sightline::cli {
+namespace {
+
+void add_render(CLI::App& app, RenderOptions& options) {
+  add_scene(app, options.scene);
+  app.add_option("--method", options.method, "a renderer, see sightline list; or oracle")
+      ->type_name("NAME")
+      ->capture_default_str();
+  add_text(
+      app, "--show", "depth|object|normal|shaded", "what the picture shows", "shaded",
+      [&options](const std::string& text) {
+        const std::array<std::pair<std::string_view, Show>, 4> kinds{
+            {{"depth", Show::depth}, {"object", Show::object}, {"normal", Show::normal}, {"shaded", Show::shaded}}};
+        const auto kind = std::find_if(kinds.begin(), kinds.end(), [&](const auto& k) { return k.first == text; });
+        if (kind == kinds.end())
+          throw UsageError(fmt::format("--show: '{}' is not depth, object, normal or shaded", text));
+        options.show = kind->second;
+      });
+  CLI::Option* eye = add_text(app, "--eye", "X,Y,Z", "where the eye is, metres", "",
+                              [&options](const std::string& text) { options.eye = parse_vector("--eye", text); });
+  add_text(app, "--look", "DX,DY,DZ", "where it looks", "0,0,-1", [&options](const std::string& text) {
+    options.look = parse_vector("--look", text);
+    if (options.look == glm::dvec3(0.0)) throw UsageError("--look: the direction has no length");
+  })->needs(eye);
+  add_path(app, options.path);
+  app.get_option("--path")->excludes(eye);
+  add_whole(app, "--frame", "which view of the path, from 0", options.frame, 0, most_frames);
+  app.get_option("--frame")->excludes(eye);
+  add_camera(app, options.camera);
+  app.add_option("-o,--output", options.output, "the file to write, .png")->type_name("FILE")->required();
+  add_common(app, options.common);
+  app.footer(
+      "Examples:\n  sightline render city.glb --eye 0,1.7,0 --look 1,0,0 -o view.png\n"
+      "  sightline render city.glb --method oracle --show depth --path viewpoints.txt --frame 12 -o depth.png");
+}
+
+}  // namespace
+
+Verb render_command(CLI::App& app) {
+  return add_verb(app, "render", "draw one view as a picture", add_render, run_render);
+}
+
+}  // namespace sightline::cli
