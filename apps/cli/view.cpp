@@ -1,0 +1,76 @@
+// sightline view: the viewer in a window, or one picture of it without a display.
+#include <fmt/format.h>
+
+#include "camera.hpp"
+#include "explain.hpp"
+#include "output.hpp"
+#include "picture.hpp"
+#include "scene_argument.hpp"
+#include "sightline/oracle/explain.hpp"
+#include "sightline/oracle/oracle.hpp"
+#include "sightline/registry.hpp"
+#include "verbs.hpp"
+#include "viewer/viewer.hpp"
+
+namespace sightline::cli {
+namespace {
+
+const std::vector<std::string> usual_methods{"occlusion_masked", "gl_chcpp", "gl_chc", "frustum_hierarchical", "none"};
+
+/// Answers clicks; the rays are prepared at the first one.
+class Answers {
+ public:
+  explicit Answers(const Scene& scene) : scene_(scene) {}
+  std::string operator()(const View& view, ObjectId id) {
+    if (!oracle_) oracle_ = std::make_unique<Oracle>(scene_);
+    const Explanation why = explain(scene_, *oracle_, oracle_->look(view), view, id);
+    return why.contradiction.empty() ? explanation_lines(scene_, view, why) : "not confirmed: " + why.contradiction;
+  }
+
+ private:
+  const Scene& scene_;
+  std::unique_ptr<Oracle> oracle_;
+};
+
+viewer::SessionConfig session_of(const ViewerOptions& options, const Scene& scene) {
+  viewer::SessionConfig config;
+  config.scene_argument = options.scene;
+  config.methods = options.methods.empty() ? usual_methods : options.methods;
+  config.start = single_view(options.view, scene, options.common.seed);
+  if (!options.view.eye) {
+    config.path = open_path(options.view.path, options.view.camera, scene, options.common.seed).views;
+    config.path_frame = static_cast<std::size_t>(options.view.frame);
+  }
+  return config;
+}
+
+}  // namespace
+
+int run_view(const ViewerOptions& options) {
+  std::optional<OutputFile> file;
+  if (!options.screenshot.empty()) file.emplace(options.screenshot);
+  const LoadedScene loaded = open_scene(options.scene, options.common);
+  const IndexedScene indexed = index_scene(loaded.scene);
+  viewer::SessionConfig config = session_of(options, loaded.scene);
+  const auto answers = std::make_shared<Answers>(loaded.scene);
+  config.explain = [answers](const View& view, ObjectId id) { return (*answers)(view, id); };
+  const int width = options.view.camera.width, height = options.view.camera.height;
+  try {
+    if (!file) {
+      as_usage([&] { viewer::run_window(std::move(config), indexed, width, height); });
+      return exit_ok;
+    }
+    viewer::PictureConfig picture{.width = width, .height = height, .press = options.press};
+    if (options.click) std::tie(picture.click_x, picture.click_y) = *options.click;
+    const auto rgb = as_usage([&] { return viewer::picture_of(std::move(config), indexed, picture); });
+    file->write(encode_png({width, height, rgb}));
+    file->commit();
+  } catch (const gl::Unavailable& error) {
+    fmt::print(stderr, "sightline: {}\n", error.what());
+    return exit_internal;
+  }
+  if (!options.common.quiet && options.screenshot != "-") fmt::print("{}\n", options.screenshot);
+  return exit_ok;
+}
+
+}  // namespace sightline::cli
