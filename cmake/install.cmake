@@ -55,6 +55,15 @@ install(FILES ${PROJECT_BINARY_DIR}/sightline.pc DESTINATION ${CMAKE_INSTALL_LIB
 
 if(TARGET sightline_cli)
   install(TARGETS sightline_cli RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR} COMPONENT tool)
+  if(TARGET sightline_documents)
+    set(documents ${PROJECT_BINARY_DIR}/apps/cli/documents)
+    install(FILES ${documents}/sightline.1 DESTINATION ${CMAKE_INSTALL_MANDIR}/man1 COMPONENT tool)
+    install(FILES ${documents}/sightline.bash DESTINATION ${CMAKE_INSTALL_DATADIR}/bash-completion/completions
+      RENAME sightline COMPONENT tool)
+    install(FILES ${documents}/_sightline DESTINATION ${CMAKE_INSTALL_DATADIR}/zsh/vendor-completions COMPONENT tool)
+    install(FILES ${documents}/sightline.fish DESTINATION ${CMAKE_INSTALL_DATADIR}/fish/vendor_completions.d
+      COMPONENT tool)
+  endif()
 endif()
 install(FILES LICENSE DESTINATION ${CMAKE_INSTALL_DOCDIR} RENAME copyright COMPONENT tool)
 install(FILES LICENSE DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/libsightline-dev RENAME copyright
