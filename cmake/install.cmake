@@ -22,6 +22,10 @@ if(SIGHTLINE_ORACLE)
   install(DIRECTORY src/sightline/oracle DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/sightline
     COMPONENT development FILES_MATCHING PATTERN "*.hpp")
 endif()
+if(SIGHTLINE_GL)
+  list(APPEND components gl)
+  install(DIRECTORY src/gl DESTINATION ${CMAKE_INSTALL_INCLUDEDIR} COMPONENT development FILES_MATCHING PATTERN "*.hpp")
+endif()
 
 # Each component has an export set of its own, so that a consumer of the core needs nothing of the others.
 foreach(component IN LISTS components)
@@ -77,7 +81,7 @@ if(PROJECT_IS_TOP_LEVEL)
   set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_SECTION libdevel)
   set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_DEPENDS "libglm-dev, libhwy-dev, libtbb-dev")
   set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_SUGGESTS
-    "libembree-dev, nlohmann-json3-dev, libtinyobjloader-dev, libdraco-dev, libmeshoptimizer-dev, libassimp-dev")
+    "libembree-dev, nlohmann-json3-dev, libtinyobjloader-dev, libdraco-dev, libmeshoptimizer-dev, libassimp-dev, libepoxy-dev, libegl-dev")
   set(CPACK_COMPONENT_DEVELOPMENT_DESCRIPTION "What can be seen from here? The library: headers and static libraries.")
   include(CPack)
 endif()
