@@ -22,6 +22,10 @@ if(SIGHTLINE_ORACLE)
   install(DIRECTORY src/sightline/oracle DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/sightline
     COMPONENT development FILES_MATCHING PATTERN "*.hpp")
 endif()
+if(SIGHTLINE_GL)
+  list(APPEND components gl)
+  install(DIRECTORY src/gl DESTINATION ${CMAKE_INSTALL_INCLUDEDIR} COMPONENT development FILES_MATCHING PATTERN "*.hpp")
+endif()
 
 # Each component has an export set of its own, so that a consumer of the core needs nothing of the others.
 foreach(component IN LISTS components)
@@ -55,6 +59,15 @@ install(FILES ${PROJECT_BINARY_DIR}/sightline.pc DESTINATION ${CMAKE_INSTALL_LIB
 
 if(TARGET sightline_cli)
   install(TARGETS sightline_cli RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR} COMPONENT tool)
+  if(TARGET sightline_documents)
+    set(documents ${PROJECT_BINARY_DIR}/apps/cli/documents)
+    install(FILES ${documents}/sightline.1 DESTINATION ${CMAKE_INSTALL_MANDIR}/man1 COMPONENT tool)
+    install(FILES ${documents}/sightline.bash DESTINATION ${CMAKE_INSTALL_DATADIR}/bash-completion/completions
+      RENAME sightline COMPONENT tool)
+    install(FILES ${documents}/_sightline DESTINATION ${CMAKE_INSTALL_DATADIR}/zsh/vendor-completions COMPONENT tool)
+    install(FILES ${documents}/sightline.fish DESTINATION ${CMAKE_INSTALL_DATADIR}/fish/vendor_completions.d
+      COMPONENT tool)
+  endif()
 endif()
 install(FILES LICENSE DESTINATION ${CMAKE_INSTALL_DOCDIR} RENAME copyright COMPONENT tool)
 install(FILES LICENSE DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/libsightline-dev RENAME copyright
@@ -77,7 +90,7 @@ if(PROJECT_IS_TOP_LEVEL)
   set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_SECTION libdevel)
   set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_DEPENDS "libglm-dev, libhwy-dev, libtbb-dev")
   set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_SUGGESTS
-    "libembree-dev, nlohmann-json3-dev, libtinyobjloader-dev, libdraco-dev, libmeshoptimizer-dev, libassimp-dev")
+    "libembree-dev, nlohmann-json3-dev, libtinyobjloader-dev, libdraco-dev, libmeshoptimizer-dev, libassimp-dev, libepoxy-dev, libegl-dev")
   set(CPACK_COMPONENT_DEVELOPMENT_DESCRIPTION "What can be seen from here? The library: headers and static libraries.")
   include(CPack)
 endif()

@@ -5,8 +5,6 @@
 #include <charconv>
 #include <cmath>
 
-#include "options.hpp"
-
 namespace sightline::cli {
 namespace {
 
@@ -74,6 +72,13 @@ std::vector<std::string> parse_names(std::string_view option, std::string_view t
     names.emplace_back(part);
   }
   return names;
+}
+
+ProgressKind parse_progress(std::string_view option, std::string_view text) {
+  if (text == "auto") return ProgressKind::automatic;
+  if (text == "json") return ProgressKind::json;
+  if (text == "none") return ProgressKind::none;
+  refuse(option, text, "auto, json or none");
 }
 
 }  // namespace sightline::cli

@@ -9,6 +9,8 @@
 #include <utility>
 #include <vector>
 
+#include "options.hpp"
+
 namespace sightline::cli {
 
 /// A whole number in [low, high].
@@ -25,5 +27,8 @@ std::pair<int, int> parse_size(std::string_view option, std::string_view text);
 
 /// The parts between commas; an empty part is an error.
 std::vector<std::string> parse_names(std::string_view option, std::string_view text);
+
+/// "auto", "json" or "none".
+ProgressKind parse_progress(std::string_view option, std::string_view text);
 
 }  // namespace sightline::cli

@@ -64,4 +64,20 @@ CameraPath open_path(const PathOptions& path, const CameraOptions& options, cons
   return result;
 }
 
+View single_view(const ViewOptions& options, const Scene& scene, std::uint64_t seed) {
+  if (!options.eye) {
+    const CameraPath path = open_path(options.path, options.camera, scene, seed);
+    if (static_cast<std::size_t>(options.frame) >= path.views.size())
+      throw UsageError(fmt::format("--frame: {} is beyond the last frame, {}", options.frame, path.views.size() - 1));
+    return path.views[static_cast<std::size_t>(options.frame)];
+  }
+  const View oriented = look_along(*options.eye, options.look);
+  View view = prototype_view(options.camera, scene);
+  view.eye = oriented.eye;
+  view.orientation = oriented.orientation;
+  contain_scene(view, options.camera, scene);
+  as_usage([&] { check_view(view); });
+  return view;
+}
+
 }  // namespace sightline::cli

@@ -18,4 +18,7 @@ void contain_scene(View& view, const CameraOptions& options, const Scene& scene)
 /// file.
 CameraPath open_path(const PathOptions& path, const CameraOptions& options, const Scene& scene, std::uint64_t seed);
 
+/// The one view of a verb that takes --eye and --look, or --frame of --path. Throws UsageError or InputError.
+View single_view(const ViewOptions& options, const Scene& scene, std::uint64_t seed);
+
 }  // namespace sightline::cli

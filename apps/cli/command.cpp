@@ -28,7 +28,10 @@ void add_common(CLI::App& app, CommonOptions& options) {
   add_whole(app, "--threads", "threads to use; 0 for all", options.threads, 0, most_threads);
   add_whole(app, "--seed", "seed of generated scenes and paths", options.seed, 0, UINT64_MAX);
   app.add_option("--json", options.json, "write the result as JSON; - for standard output")->type_name("FILE");
-  app.add_flag("--quiet", options.quiet, "no progress, warnings or tables");
+  app.add_flag("--quiet", options.quiet, "no progress bar, warnings or tables");
+  app.add_flag("--strict", options.strict, "what a scene file has and is not used is an error, not a warning");
+  add_text(app, "--progress", "auto|json|none", "a bar on a terminal, JSON lines on standard error, or nothing", "auto",
+           [&options](const std::string& text) { options.progress = parse_progress("--progress", text); });
 }
 
 void add_scene(CLI::App& app, std::string& scene) {
@@ -52,6 +55,20 @@ void add_path(CLI::App& app, PathOptions& options) {
   app.add_option("--path", options.path, "viewpoints as text or JSON, or 'stress' [a generated walk]")
       ->type_name("FILE");
   add_whole(app, "--frames", "views on the path", options.frames, 1, most_frames);
+}
+
+void add_view(CLI::App& app, ViewOptions& options) {
+  CLI::Option* eye = add_text(app, "--eye", "X,Y,Z", "where the eye is, metres", "",
+                              [&options](const std::string& text) { options.eye = parse_vector("--eye", text); });
+  add_text(app, "--look", "DX,DY,DZ", "where it looks", "0,0,-1", [&options](const std::string& text) {
+    options.look = parse_vector("--look", text);
+    if (options.look == glm::dvec3(0.0)) throw UsageError("--look: the direction has no length");
+  })->needs(eye);
+  add_path(app, options.path);
+  app.get_option("--path")->excludes(eye);
+  add_whole(app, "--frame", "which view of the path, from 0", options.frame, 0, most_frames);
+  app.get_option("--frame")->excludes(eye);
+  add_camera(app, options.camera);
 }
 
 }  // namespace sightline::cli

@@ -36,6 +36,8 @@ void add_common(CLI::App& app, CommonOptions& options);
 void add_scene(CLI::App& app, std::string& scene);
 void add_camera(CLI::App& app, CameraOptions& options);
 void add_path(CLI::App& app, PathOptions& options);
+/// --eye and --look, or --path, --frames and --frame; and the camera.
+void add_view(CLI::App& app, ViewOptions& options);
 
 /// A verb of the program: its place in the command line, and what runs it once its options are read.
 struct Verb {

@@ -16,8 +16,11 @@ int run_generate(const GenerateOptions& options) {
   config.objects = options.objects;
   config.triangles = options.triangles;
   config.seed = options.common.seed;
+  Progress progress("generate", 2, options.common.quiet);
   const Scene scene = as_usage([&] { return generate_scene(options.kind, config); });
+  progress.show(1);
   save_glb(scene, options.output);
+  progress.show(2);
   if (!options.common.json_to_stdout() && !options.common.quiet)
     fmt::print("{}: {} objects, {} triangles, {} unique meshes\n", options.output, scene.objects().size(),
                scene.triangle_count(), scene.meshes().size());

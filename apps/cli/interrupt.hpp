@@ -1,9 +1,12 @@
-// Ctrl-C as a question that loops ask between two frames. A second Ctrl-C ends the program at once.
+// Ctrl-C: no verb leaves a half-written file, and loops may ask between two steps whether to stop with what they have.
 #pragma once
 
 namespace sightline::cli {
 
-/// From now on SIGINT and SIGTERM only set a flag, the first time.
+/// From now on SIGINT, SIGTERM and SIGHUP end the program as they do by default, but remove unfinished outputs first.
+void leave_nothing_unfinished();
+
+/// From now on the first SIGINT or SIGTERM only sets a flag; the second does what leave_nothing_unfinished() says.
 void catch_interrupts();
 bool interrupted();
 

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "command.hpp"
+#include "interrupt.hpp"
 #include "output.hpp"
 #include "scene_argument.hpp"
 #include "sightline/parallel/parallel.hpp"
@@ -21,11 +22,15 @@ Verb list_command(CLI::App& app);
 Verb generate_command(CLI::App& app);
 Verb walk_command(CLI::App& app);
 Verb render_command(CLI::App& app);
+Verb explain_command(CLI::App& app);
+Verb completion_command(CLI::App& app);
+Verb manual_command(CLI::App& app);
 
 namespace {
 
 constexpr Verb (*commands[])(CLI::App&) = {
-    info_command, list_command, generate_command, walk_command, render_command,
+    info_command,   list_command,    generate_command,   walk_command,
+    render_command, explain_command, completion_command, manual_command,
 };
 
 /// CLI11 names neither a verb that it does not know nor those that there are.
@@ -34,6 +39,7 @@ void check_verb(int argc, char** argv, const std::vector<Verb>& verbs) {
   std::string names;
   for (const Verb& verb : verbs) {
     if (argc >= 2 && verb.app->get_name() == argv[1]) return;
+    if (verb.app->get_group().empty()) continue;  // hidden
     names += (names.empty() ? "" : ", ") + verb.app->get_name();
   }
   if (argc < 2) throw UsageError(fmt::format("a verb is needed: {}; or --help", names));
@@ -73,6 +79,7 @@ int run(int argc, char** argv) {
   }
   const auto verb = std::find_if(verbs.begin(), verbs.end(), [](const Verb& v) { return v.app->parsed(); });
   verb->common->command = command_line(argc, argv);
+  set_progress(verb->common->progress);
   const ThreadLimit limit(verb->common->threads);
   const int code = verb->run();
   flush_stdout();
@@ -91,6 +98,7 @@ int complain(const char* prefix, std::string message, ExitCode code) {
 
 int main(int argc, char** argv) {
   using namespace sightline::cli;
+  leave_nothing_unfinished();
   try {
     return run(argc, argv);
   } catch (const UsageError& error) {

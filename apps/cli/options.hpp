@@ -28,13 +28,22 @@ class UsageError : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
+/// How the program tells how far it is, on standard error.
+enum class ProgressKind {
+  automatic,  // a bar where that is a terminal
+  json,       // a JSON object a line, for programs
+  none
+};
+
 /// Options that every verb has.
 struct CommonOptions {
   int threads = 0;         // 0: as many as the machine has
   std::uint64_t seed = 1;  // of generated scenes and paths
   std::string json;        // file for the result as JSON, "-" for standard output, empty for none
   bool quiet = false;      // no progress, no warnings, no tables
-  std::string command;     // the command line as a person would type it again; set by main
+  bool strict = false;     // warnings about the scene file are errors
+  ProgressKind progress = ProgressKind::automatic;
+  std::string command;  // the command line as a person would type it again; set by main
 
   [[nodiscard]] bool json_to_stdout() const { return json == "-"; }
 };
@@ -52,6 +61,15 @@ struct CameraOptions {
 struct PathOptions {
   std::string path;  // a file, "stress", or empty for a generated walk
   int frames = 120;
+};
+
+/// One view: an eye, or a frame of a path.
+struct ViewOptions {
+  std::optional<glm::dvec3> eye;
+  glm::dvec3 look{0.0, 0.0, -1.0};
+  PathOptions path;
+  int frame = 0;
+  CameraOptions camera;
 };
 
 struct InfoOptions {
@@ -89,12 +107,19 @@ struct RenderOptions {
   std::string scene;
   std::string method = "zbuffer";  // a renderer of the registry, or "oracle"
   Show show = Show::shaded;
-  std::optional<glm::dvec3> eye;
-  glm::dvec3 look{0.0, 0.0, -1.0};
-  PathOptions path;
-  int frame = 0;
-  CameraOptions camera;
+  ViewOptions view;
   std::string output;
+};
+
+struct ExplainOptions {
+  CommonOptions common;
+  std::string scene;
+  std::string method = "occlusion_masked";
+  std::string object;  // an id or a name
+  ViewOptions view;
+  int samples = 1;     // n x n oracle samples for each pixel
+  int random = 0;      // so many random pairs of object and view instead of one
+  std::string output;  // picture, empty for none
 };
 
 }  // namespace sightline::cli

@@ -1,4 +1,4 @@
-// Where results go: files that appear whole or not at all, standard output, and a progress bar beside them.
+// Where results go: files that appear whole or not at all (OutputFile), standard output, and a progress beside them.
 #pragma once
 
 #include <chrono>
@@ -7,27 +7,10 @@
 #include <string>
 #include <string_view>
 
+#include "options.hpp"
+#include "sightline/scene/save/output_file.hpp"
+
 namespace sightline::cli {
-
-/// A file that is written beside its place under a temporary name and put there by commit(); without commit() nothing
-/// is left. "-" is standard output; what is no regular file (a device, a pipe) is written directly.
-class OutputFile {
- public:
-  /// Opens at once, so that a place which cannot be written is told before the work. Throws InputError.
-  explicit OutputFile(std::filesystem::path file);
-  ~OutputFile();
-  OutputFile(const OutputFile&) = delete;
-  OutputFile& operator=(const OutputFile&) = delete;
-
-  void write(std::string_view bytes);
-  /// Throws InputError if any of it could not be written.
-  void commit();
-
- private:
-  [[noreturn]] void fail(const char* what) const;
-  std::filesystem::path file_, temporary_;
-  std::FILE* stream_ = nullptr;
-};
 
 /// Throws InputError if standard output could not take all that was printed.
 void flush_stdout();
@@ -38,7 +21,12 @@ bool stdout_has_colour();
 /// One warning line on standard error.
 void warn(std::string_view line);
 
-/// "[#####.....] 34/120 label" on standard error, if that is a terminal; redrawn at most ten times a second.
+/// How all Progress from now on shows itself; main sets what --progress says.
+void set_progress(ProgressKind kind);
+
+/// How far a long work is, on standard error, told at most ten times a second: "[#####.....] 34/120 label" where that
+/// is a terminal; with --progress json, whether or not it is quiet, lines {"progress":"label","done":34,"total":120},
+/// the first and the last of them always.
 class Progress {
  public:
   Progress(std::string_view label, std::size_t total, bool quiet);
@@ -48,9 +36,10 @@ class Progress {
   void show(std::size_t done);
 
  private:
+  void print_line();
   std::string label_;
-  std::size_t total_;
-  bool active_;
+  std::size_t total_, done_ = 0;
+  bool bar_, lines_, told_ = false;
   std::chrono::steady_clock::time_point last_{};
 };
 

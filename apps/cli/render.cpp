@@ -21,22 +21,6 @@ void check_method(const RenderOptions& options) {
   as_usage([&] { (void)find_algorithm(parse_method(options.method).name, Family::renderer); });
 }
 
-View view_of(const RenderOptions& options, const Scene& scene) {
-  if (!options.eye) {
-    const CameraPath path = open_path(options.path, options.camera, scene, options.common.seed);
-    if (static_cast<std::size_t>(options.frame) >= path.views.size())
-      throw UsageError(fmt::format("--frame: {} is beyond the last frame, {}", options.frame, path.views.size() - 1));
-    return path.views[static_cast<std::size_t>(options.frame)];
-  }
-  const View oriented = look_along(*options.eye, options.look);
-  View view = prototype_view(options.camera, scene);
-  view.eye = oriented.eye;
-  view.orientation = oriented.orientation;
-  contain_scene(view, options.camera, scene);
-  as_usage([&] { check_view(view); });
-  return view;
-}
-
 /// Draws all objects; returns what the work was.
 Counters draw(const RenderOptions& options, const Scene& scene, const View& view, Frame& frame) {
   Counters counters;
@@ -80,11 +64,13 @@ int run_render(const RenderOptions& options) {
   OutputFile picture(options.output);
   JsonOutput output(options.common);
   const LoadedScene loaded = open_scene(options.scene, options.common);
-  const View view = view_of(options, loaded.scene);
+  const View view = single_view(options.view, loaded.scene, options.common.seed);
   Frame frame;
+  Progress progress("render", 1, options.common.quiet);
   const Counters counters = draw(options, loaded.scene, view, frame);
   picture.write(encode_png(paint(loaded.scene, view, frame, options.show)));
   picture.commit();
+  progress.show(1);
   const Json json = render_json(options, loaded.scene, view, frame, counters);
   if (!options.common.json_to_stdout() && !options.common.quiet && options.output != "-")
     fmt::print("{}: {} objects seen, {} of {} pixels covered; {}\n", options.output,

@@ -1,5 +1,7 @@
 #include "scene_argument.hpp"
 
+#include <fmt/format.h>
+
 #include "arguments.hpp"
 #include "output.hpp"
 #include "sightline/core/parameters.hpp"
@@ -26,6 +28,13 @@ Scene generate_from_text(std::string_view text, const CommonOptions& common) {
   return generate_scene(spec.name, config);
 }
 
+/// --strict: the first warning as an error, and how many more there are.
+[[noreturn]] void refuse_warnings(std::string_view file, const std::vector<std::string>& warnings) {
+  const std::size_t more = warnings.size() - 1;
+  throw InputError(std::string(file), "",
+                   warnings.front() + (more > 0 ? fmt::format(" (and {} more warnings)", more) : ""));
+}
+
 }  // namespace
 
 LoadedScene open_scene(std::string_view text, const CommonOptions& common) {
@@ -34,7 +43,10 @@ LoadedScene open_scene(std::string_view text, const CommonOptions& common) {
     loaded.scene = as_usage([&] { return generate_from_text(text.substr(generate_prefix.size()), common); });
     return loaded;
   }
+  Progress progress("load", 1, true);
   LoadedScene loaded = load_scene(std::filesystem::path(text));
+  progress.show(1);
+  if (common.strict && !loaded.warnings.empty()) refuse_warnings(text, loaded.warnings);
   if (!common.quiet)
     for (const std::string& warning : loaded.warnings) warn(warning);
   return loaded;

@@ -10,8 +10,8 @@
 namespace sightline::cli {
 
 /// Loads or generates. The seed of a generated scene is common.seed unless the text has its own. Warnings of the reader
-/// go to standard error unless common.quiet. Throws UsageError for a generator or parameter that does not exist,
-/// InputError for a file that cannot be read.
+/// go to standard error unless common.quiet; with common.strict they are errors. Throws UsageError for a generator or
+/// parameter that does not exist, InputError for a file that cannot be read.
 LoadedScene open_scene(std::string_view text, const CommonOptions& common);
 
 /// The largest numbers that `--objects` and `--triangles` take.

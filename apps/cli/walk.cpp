@@ -69,6 +69,7 @@ int run_walk(const WalkOptions& options) {
   if (options.verify || !options.report.empty()) oracle.emplace(loaded.scene);
 
   WalkReport report = start_report(options, loaded.scene);
+  report.warnings = loaded.warnings;
   walk_frames(options, indexed, path.views, oracle ? &*oracle : nullptr, report);
 
   if (json) {

@@ -79,6 +79,7 @@ void write_head(const WalkReport& report, const TextSink& sink) {
   sink("{\"schema\":\"sightline.walk/1\",\n\"size\":" + text_of({report.width, report.height}));
   sink(",\n\"scene\":" + text_of(scene_json(report)));
   sink(",\n\"samples\":" + text_of(report.samples));
+  sink(",\n\"warnings\":" + text_of(report.warnings));
 }
 
 /// Everything of a run but its closing brace.

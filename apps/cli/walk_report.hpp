@@ -56,7 +56,8 @@ struct WalkPicture {
 struct WalkReport {
   std::string scene_name;
   std::string command;
-  const Scene* scene = nullptr;  // outlives the report
+  std::vector<std::string> warnings;  // what the scene file has and is not used
+  const Scene* scene = nullptr;       // outlives the report
   int width = 0, height = 0;
   int samples = 1;
   bool verified = false;

@@ -42,8 +42,8 @@ const Algorithm& find_algorithm(std::string_view name, Family family) {
     if (row.name == name) return row;
     names += (names.empty() ? "" : ", ") + std::string(row.name);
   }
-  throw InputError("no " + std::string(to_string(family)) + " is called '" + std::string(name) + "'; there are " +
-                   names);
+  throw InputError("no " + std::string(to_string(family)) + " is called '" + std::string(name) +
+                   "'; the names are: " + names);
 }
 
 std::unique_ptr<Culler> make_culler(std::string_view text, const IndexedScene& scene) {

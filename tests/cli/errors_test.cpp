@@ -24,6 +24,14 @@ TEST_F(Errors, UsageOfVerbsAndMethods) {
   expect_complaint({"info", "generate:town"}, 2, "town");
   expect_complaint({"info", "generate:city:floors=3"}, 2, "floors");
   expect_complaint({"info", "generate:city:objects=0"}, 2, "objects");
+  expect_complaint({"explain", scene}, 2, "--object");
+  expect_complaint({"explain", scene, "--object", "50000000"}, 2, "--object");
+  expect_complaint({"explain", scene, "--object", "no such thing"}, 2, "no such thing");
+  expect_complaint({"explain", scene, "--object", "car"}, 2, "car");
+  expect_complaint({"explain", scene, "--object", "1", "--random", "3"}, 2, "--random");
+  expect_complaint({"explain", scene, "--object", "1", "--method", "zbuffer"}, 2, "the names are: none");
+  expect_complaint({"completion", "tcsh"}, 2, "tcsh");
+  expect_complaint({"walk", scene, "--progress", "loud"}, 2, "--progress");
   EXPECT_FALSE(std::filesystem::exists(file("x.glb")));
   EXPECT_FALSE(std::filesystem::exists(file("x.png")));
 }
@@ -84,13 +92,13 @@ TEST_F(Errors, FailureLeavesNoFiles) {
 }
 
 TEST_F(Errors, HelpIsNoError) {
-  for (const char* verb : {"info", "list", "generate", "walk", "render"}) {
+  for (const char* verb : {"info", "list", "generate", "walk", "render", "explain", "completion"}) {
     const Outcome outcome = run({verb, "--help"});
     EXPECT_EQ(outcome.code, 0);
     EXPECT_EQ(outcome.err, "");
     EXPECT_NE(outcome.out.find(std::string("sightline ") + verb), std::string::npos);
     EXPECT_NE(outcome.out.find("Examples:"), std::string::npos);
-    for (const char* option : {"--threads", "--seed", "--json", "--quiet"})
+    for (const char* option : {"--threads", "--seed", "--json", "--quiet", "--strict", "--progress"})
       EXPECT_NE(outcome.out.find(option), std::string::npos) << verb << " lacks " << option;
   }
 }

@@ -250,7 +250,7 @@ TEST_F(Walk, InterruptKeepsWhatIsThere) {
   // The file is opened under a temporary name once interrupts are caught.
   const auto output_is_open = [&] {
     for (const auto& entry : std::filesystem::directory_iterator(file("")))
-      if (entry.path().filename().string().starts_with("out.json.part")) return true;
+      if (entry.path().filename().string().ends_with(".part")) return true;
     return false;
   };
   for (int tries = 0; tries < 1000 && !output_is_open(); ++tries)

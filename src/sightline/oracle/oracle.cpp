@@ -3,6 +3,7 @@
 #include <embree3/rtcore.h>
 
 #include <algorithm>
+#include <array>
 #include <atomic>
 #include <bit>
 #include <cassert>
@@ -73,11 +74,12 @@ struct RayBasis {
 }  // namespace
 
 struct Oracle::Rays {
-  explicit Rays(const Scene& s) : scene(s) {
+  /// `only` may be null: all objects.
+  Rays(const Scene& s, const VisibleSet* only) : scene(s) {
     device = rtcNewDevice("threads=0");
     assert(device != nullptr);
     top = new_scene();
-    add_objects();
+    add_objects(only);
     rtcCommitScene(top);
   }
   ~Rays() {
@@ -97,7 +99,7 @@ struct Oracle::Rays {
 
   /// Objects become triangles of their own where that fits, which is faster and needs no rounding of rays into mesh
   /// space; shared meshes of large scenes become instances.
-  void add_objects() {
+  void add_objects(const VisibleSet* only) {
     std::vector<std::uint32_t> uses(scene.meshes().size(), 0);
     for (const Object& object : scene.objects()) ++uses[object.mesh];
     meshes.assign(scene.meshes().size(), nullptr);
@@ -105,7 +107,7 @@ struct Oracle::Rays {
     for (ObjectId id = 0; id < scene.objects().size(); ++id) {
       const Object& object = scene.objects()[id];
       const Mesh& mesh = scene.meshes()[object.mesh];
-      if (mesh.triangles.empty()) continue;
+      if (mesh.triangles.empty() || (only != nullptr && !only->contains(id))) continue;
       if (small || uses[object.mesh] == 1) {
         attach(top, triangles_of(mesh, object.transform), id);
       } else {
@@ -154,9 +156,10 @@ struct Oracle::Rays {
     rtcIntersect16(packet.valid, top, &context, &packet.rays);
   }
 
-  /// Follows the packet's rays; calls seen(object) for every surface up to the first opaque one.
+  /// Follows the packet's rays; calls seen(lane, object) for every surface up to the first opaque one, or, with
+  /// `through`, for every surface.
   template <class Seen>
-  void follow(Packet& packet, float t_far, Seen&& seen) const {
+  void follow(Packet& packet, float t_far, Seen&& seen, bool through = false) const {
     for (bool more = true; more;) {
       trace(packet);
       more = false;
@@ -165,8 +168,8 @@ struct Oracle::Rays {
         packet.valid[lane] = 0;
         const ObjectId id = packet.object(lane);
         if (id == no_object) continue;
-        seen(id);
-        if (scene.objects()[id].opaque) continue;
+        seen(lane, id);
+        if (!through && scene.objects()[id].opaque) continue;
         advance(packet, lane, t_far);
         more = true;
       }
@@ -191,18 +194,25 @@ struct Oracle::Rays {
 
 namespace {
 
-/// Calls block(x0, y0, x1, y1) for the tiles of an image of width x height samples, on all threads.
+/// Calls block(x0, y0, x1, y1) for the tiles that touch `part` of an image of width x height samples, on all threads.
 template <class Block>
-void for_tiles(int width, int height, Block&& block) {
-  const int across = (width + tile - 1) / tile, down = (height + tile - 1) / tile;
+void for_tiles(int width, int height, const SampleRect& part, Block&& block) {
+  if (part.empty()) return;
+  const int left = part.x0 / tile * tile, top = part.y0 / tile * tile;
+  const int across = (part.x1 - left + tile - 1) / tile, down = (part.y1 - top + tile - 1) / tile;
   const auto count = static_cast<std::size_t>(across) * static_cast<std::size_t>(down);
   parallel_blocks(count, 1, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
-      const int x = static_cast<int>(i % static_cast<std::size_t>(across)) * tile;
-      const int y = static_cast<int>(i / static_cast<std::size_t>(across)) * tile;
+      const int x = left + static_cast<int>(i % static_cast<std::size_t>(across)) * tile;
+      const int y = top + static_cast<int>(i / static_cast<std::size_t>(across)) * tile;
       block(x, y, std::min(x + tile, width), std::min(y + tile, height));
     }
   });
+}
+
+template <class Block>
+void for_tiles(int width, int height, Block&& block) {
+  for_tiles(width, height, {0, 0, width, height}, block);
 }
 
 /// Calls packet(x, y) for the 4 x 4 groups of samples of a block; a group may hang over the edge of the image.
@@ -214,7 +224,10 @@ void for_groups(int x0, int y0, int x1, int y1, Group&& group) {
 
 }  // namespace
 
-Oracle::Oracle(const Scene& scene) : rays_(std::make_unique<Rays>(scene)) {}
+Oracle::Oracle(const Scene& scene) : rays_(std::make_unique<Rays>(scene, nullptr)) {}
+Oracle::Oracle(const Scene& scene, const VisibleSet& only) : rays_(std::make_unique<Rays>(scene, &only)) {
+  assert(only.universe() == scene.objects().size());
+}
 Oracle::~Oracle() = default;
 
 Truth Oracle::look(const View& view, int samples_per_axis) const {
@@ -225,6 +238,7 @@ Truth Oracle::look(const View& view, int samples_per_axis) const {
   const int width = view.width * samples_per_axis, height = view.height * samples_per_axis;
   const double step = 1.0 / samples_per_axis;
   for_tiles(width, height, [&](int x0, int y0, int x1, int y1) {
+    std::array<std::vector<ObjectId>, lanes> passed;
     ObjectId last = no_object;  // neighbours mostly see the same object: count runs, add once
     std::uint32_t run = 0;
     const auto flush = [&] {
@@ -236,7 +250,13 @@ Truth Oracle::look(const View& view, int samples_per_axis) const {
         const int x = gx + lane % 4, y = gy + lane / 4;
         if (x < x1 && y < y1) basis.set(packet, lane, (x + 0.5) * step, (y + 0.5) * step);
       }
-      rays_->follow(packet, basis.t_far, [&](ObjectId id) {
+      for (auto& list : passed) list.clear();
+      rays_->follow(packet, basis.t_far, [&](int lane, ObjectId id) {
+        if (!rays_->scene.objects()[id].opaque) {  // a ray enters and leaves a glass box, which is seen once
+          auto& list = passed[static_cast<std::size_t>(lane)];
+          if (std::find(list.begin(), list.end(), id) != list.end()) return;
+          list.push_back(id);
+        }
         if (id != last) {
           flush();
           last = id;
@@ -254,6 +274,55 @@ Truth Oracle::look(const View& view, int samples_per_axis) const {
     if (truth.samples[id] > 0) truth.seen.insert(static_cast<ObjectId>(id));
   }
   return truth;
+}
+
+void Oracle::trace(const View& view, int samples_per_axis, const SampleRect& part, const SampleSink& sample) const {
+  const RayBasis basis(view);
+  const double step = 1.0 / samples_per_axis;
+  const auto inside = [&](int x, int y) { return x >= part.x0 && x < part.x1 && y >= part.y0 && y < part.y1; };
+  for_tiles(view.width * samples_per_axis, view.height * samples_per_axis, part, [&](int x0, int y0, int x1, int y1) {
+    std::array<std::vector<SurfaceHit>, lanes> hits;
+    for_groups(x0, y0, x1, y1, [&](int gx, int gy) {
+      // Whole groups, as look() has them: Embree's answers at edges may depend on what else is in the packet.
+      Packet packet{};
+      for (int lane = 0; lane < lanes; ++lane) {
+        hits[static_cast<std::size_t>(lane)].clear();
+        const int x = gx + lane % 4, y = gy + lane / 4;
+        if (x < x1 && y < y1) basis.set(packet, lane, (x + 0.5) * step, (y + 0.5) * step);
+      }
+      rays_->follow(packet, basis.t_far, [&](int lane, ObjectId id) {
+        hits[static_cast<std::size_t>(lane)].push_back({id, packet.rays.hit.primID[lane], packet.rays.ray.tfar[lane]});
+      });
+      for (int lane = 0; lane < lanes; ++lane) {
+        const int x = gx + lane % 4, y = gy + lane / 4;
+        if (x < x1 && y < y1 && inside(x, y)) sample(x, y, hits[static_cast<std::size_t>(lane)]);
+      }
+    });
+  });
+}
+
+std::vector<std::uint8_t> Oracle::count_surfaces(const View& view) const {
+  std::vector<std::uint8_t> counts(static_cast<std::size_t>(view.width) * static_cast<std::size_t>(view.height));
+  const RayBasis basis(view);
+  for_tiles(view.width, view.height, [&](int x0, int y0, int x1, int y1) {
+    for_groups(x0, y0, x1, y1, [&](int gx, int gy) {
+      Packet packet{};
+      std::array<std::uint8_t*, lanes> count{};
+      for (int lane = 0; lane < lanes; ++lane) {
+        const int x = gx + lane % 4, y = gy + lane / 4;
+        if (x >= x1 || y >= y1) continue;
+        basis.set(packet, lane, x + 0.5, y + 0.5);
+        count[static_cast<std::size_t>(lane)] =
+            &counts[static_cast<std::size_t>(y) * static_cast<std::size_t>(view.width) + static_cast<std::size_t>(x)];
+      }
+      const auto add = [&](int lane, ObjectId) {
+        std::uint8_t& n = *count[static_cast<std::size_t>(lane)];
+        if (n < 255) ++n;
+      };
+      rays_->follow(packet, basis.t_far, add, true);
+    });
+  });
+  return counts;
 }
 
 void Oracle::draw(const View& view, Frame& frame) const {

@@ -6,7 +6,9 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <memory>
+#include <span>
 #include <vector>
 
 #include "sightline/core/frame.hpp"
@@ -37,16 +39,42 @@ struct Verdict {
   std::size_t extra = 0;             // in the answer but not seen
 };
 
+/// A surface that the ray of a sample meets.
+struct SurfaceHit {
+  ObjectId object = no_object;
+  std::uint32_t triangle = 0;  // within the object's mesh
+  float depth = 0.0f;          // along the view direction, metres
+};
+
+/// Samples [x0, x1) x [y0, y1) of a view's image, counted in samples (n x n for each pixel) from the top left.
+struct SampleRect {
+  int x0 = 0, y0 = 0, x1 = 0, y1 = 0;
+
+  [[nodiscard]] bool empty() const { return x0 >= x1 || y0 >= y1; }
+};
+
 class Oracle {
  public:
   /// Builds the ray structures; the scene must outlive the oracle.
   explicit Oracle(const Scene& scene);
+  /// The same as if the scene had only the objects of `only` (a set over all of its ids); ids stay what they are.
+  Oracle(const Scene& scene, const VisibleSet& only);
   ~Oracle();
   Oracle(const Oracle&) = delete;
   Oracle& operator=(const Oracle&) = delete;
 
   /// Objects seen through samples_per_axis^2 samples of every pixel. Runs on all threads; the same for any number.
   [[nodiscard]] Truth look(const View& view, int samples_per_axis = 1) const;
+
+  /// Calls sample(x, y, hits) for every sample of `part`: the surfaces that its ray meets, from near to far, up to and
+  /// including the first opaque one. The same rays and answers as those of look(). Called from many threads at once,
+  /// each sample once.
+  using SampleSink = std::function<void(int x, int y, std::span<const SurfaceHit> hits)>;
+  void trace(const View& view, int samples_per_axis, const SampleRect& part, const SampleSink& sample) const;
+
+  /// For every pixel centre the number of surfaces that its ray passes, opaque or not, between near and far plane: the
+  /// depth complexity (checklist 6). Surfaces at the same depth count once; at most 255.
+  [[nodiscard]] std::vector<std::uint8_t> count_surfaces(const View& view) const;
 
   /// Nearest surface at every pixel centre, opaque or not.
   void draw(const View& view, Frame& frame) const;

@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "sightline/scene/input_error.hpp"
-#include "sightline/scene/save/new_file.hpp"
+#include "sightline/scene/save/output_file.hpp"
 
 namespace sightline {
 
@@ -59,7 +59,7 @@ class GlbWriter {
     const std::uint64_t binary = (position_bytes_ + index_bytes_ + 3) / 4 * 4;
     const std::uint64_t total = 12 + 8 + json.size() + (binary > 0 ? 8 + binary : 0);
     if (total > 0xFFFFFFFFu) throw InputError(path_.string(), "", "would exceed the 4 GiB of a GLB");
-    NewFile file(path_);
+    OutputFile file(path_);
     file.write("glTF" + word(2) + word(total) + word(json.size()) + "JSON");
     file.write(json);
     if (binary > 0) {
@@ -111,14 +111,14 @@ class GlbWriter {
     written_.push_back(id);
   }
 
-  void write_positions(NewFile& file) const {
+  void write_positions(OutputFile& file) const {
     for (const MeshId id : written_) {
       const std::vector<glm::vec3>& positions = scene_.meshes()[id].positions;
       file.write({reinterpret_cast<const char*>(positions.data()), positions.size() * sizeof(glm::vec3)});
     }
   }
 
-  void write_indices(NewFile& file) const {
+  void write_indices(OutputFile& file) const {
     std::vector<std::uint16_t> short_indices;
     for (const MeshId id : written_) {
       const std::vector<glm::uvec3>& triangles = scene_.meshes()[id].triangles;

@@ -1,0 +1,386 @@
+#include "gl/scene_drawing.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <glm/gtc/type_ptr.hpp>
+
+#include "gl/projection.hpp"
+
+namespace sightline::gl {
+namespace {
+
+constexpr char frame_glsl[] = R"(#version 450 core
+layout(std140, binding = 0) uniform Frame {
+  mat4 clip;          // of points relative to the eye
+  vec4 eye;           // w: half-open widening of boxes for each unit of w
+  vec4 planes[6];     // world space, inside is >= 0
+  vec4 forward;       // w: distance of the near plane
+  ivec4 size;         // width, height, number of planes, perspective or not
+} frame;
+)";
+
+constexpr char object_vertex[] = R"(
+layout(location = 0) in vec3 position;
+layout(location = 1) in vec4 row0;
+layout(location = 2) in vec4 row1;
+layout(location = 3) in vec4 row2;
+layout(location = 4) in uint object;
+layout(location = 5) in vec4 tint;
+out vec3 from_eye;
+flat out vec3 colour;
+flat out uint id;
+invariant gl_Position;
+void main() {
+  vec4 p = vec4(position, 1.0);
+  from_eye = vec3(dot(row0, p), dot(row1, p), dot(row2, p)) - frame.eye.xyz;
+  gl_Position = frame.clip * vec4(from_eye, 1.0);
+  colour = tint.rgb;
+  id = object;
+}
+)";
+
+constexpr char object_fragment[] = R"(
+in vec3 from_eye;
+flat in vec3 colour;
+flat in uint id;
+layout(location = 0) out vec4 shaded;
+layout(location = 1) out uint object;
+void main() {
+  vec3 n = cross(dFdx(from_eye), dFdy(from_eye));
+  float facing = abs(dot(n, frame.forward.xyz)) * inversesqrt(max(dot(n, n), 1e-30));
+  float sky = abs(n.y) * inversesqrt(max(dot(n, n), 1e-30));
+  shaded = vec4(colour * (0.35 + 0.4 * facing + 0.25 * sky), 1.0);
+  object = id;
+}
+)";
+
+constexpr char box_vertex[] = R"(
+layout(location = 0) in vec3 corner;  // 0 or 1 on each axis
+layout(location = 1) in vec3 lo;
+layout(location = 2) in vec3 hi;
+void main() {
+  vec3 p = mix(lo, hi, corner);
+  float w = (frame.clip * vec4(p - frame.eye.xyz, 1.0)).w;
+  vec3 reach = max(abs(lo), abs(hi));
+  float wide = frame.eye.w * abs(w) + 1e-6 * max(reach.x, max(reach.y, reach.z));
+  gl_Position = frame.clip * vec4(p + (2.0 * corner - 1.0) * wide - frame.eye.xyz, 1.0);
+}
+)";
+
+constexpr char box_fragment[] = "void main() {}\n";
+
+/// Corners of the unit cube as a strip of triangles that face outwards.
+constexpr std::uint8_t cube_strip[14] = {6, 7, 2, 3, 1, 7, 5, 6, 4, 2, 0, 1, 4, 5};
+
+struct FrameBlock {
+  glm::mat4 clip;
+  glm::vec4 eye;
+  glm::vec4 planes[6];
+  glm::vec4 forward;
+  glm::ivec4 size;
+};
+
+std::uint32_t colour_of(ObjectId id) {
+  std::uint32_t x = id * 2654435761u;
+  x ^= x >> 15;
+  x *= 2246822519u;
+  x ^= x >> 13;
+  return 0xff000000u | (96u + (x & 127u)) | (96u + ((x >> 8) & 127u)) << 8 | (96u + ((x >> 16) & 127u)) << 16;
+}
+
+VertexArray make_vertex_array() {
+  GLuint name = 0;
+  glCreateVertexArrays(1, &name);
+  return VertexArray(name);
+}
+
+void attribute(const VertexArray& array, GLuint location, GLuint binding, GLint components, GLenum type, GLuint offset,
+               bool normalised = false) {
+  glEnableVertexArrayAttrib(array.name(), location);
+  if (type == GL_UNSIGNED_INT)
+    glVertexArrayAttribIFormat(array.name(), location, components, type, offset);
+  else
+    glVertexArrayAttribFormat(array.name(), location, components, type, normalised ? GL_TRUE : GL_FALSE, offset);
+  glVertexArrayAttribBinding(array.name(), location, binding);
+}
+
+void rows_of(const Affine& m, glm::vec4 rows[3]) {
+  for (int r = 0; r < 3; ++r) rows[r] = {m[0][r], m[1][r], m[2][r], m[3][r]};
+}
+
+/// World bounds of a box under a map, with room for the rounding of a vertex shader.
+Aabb bounds_under(const Affine& transform, const Aabb& box) {
+  Aabb world;
+  if (box.empty()) return world;
+  for (int i = 0; i < 8; ++i) world.extend(transform_point(transform, box.corner(i)));
+  const float slack = 1e-6f * reach(world);
+  world.lo -= slack;
+  world.hi += slack;
+  return world;
+}
+
+}  // namespace
+
+const char* SceneDrawing::frame_block() { return frame_glsl; }
+
+SceneDrawing::SceneDrawing(Context& context, const Scene& scene)
+    : context_(context), scene_(scene), bounds_(scene.object_bounds()) {
+  upload_meshes();
+  upload_objects();
+  frame_buffer_ = make_buffer(sizeof(FrameBlock));
+  const std::string frame = frame_glsl;
+  object_program_ = make_program(frame + object_vertex, frame + object_fragment);
+  box_program_ = make_program(frame + box_vertex, std::string("#version 450 core\n") + box_fragment);
+
+  object_array_ = make_vertex_array();
+  const GLuint a = object_array_.name();
+  glVertexArrayVertexBuffer(a, 0, vertices_.name(), 0, sizeof(glm::vec3));
+  glVertexArrayVertexBuffer(a, 1, transforms_.name(), 0, 3 * sizeof(glm::vec4));
+  glVertexArrayVertexBuffer(a, 2, object_ids_.name(), 0, sizeof(std::uint32_t));
+  glVertexArrayVertexBuffer(a, 3, colours_.name(), 0, sizeof(std::uint32_t));
+  glVertexArrayElementBuffer(a, indices_.name());
+  attribute(object_array_, 0, 0, 3, GL_FLOAT, 0);
+  for (GLuint r = 0; r < 3; ++r) attribute(object_array_, 1 + r, 1, 4, GL_FLOAT, r * sizeof(glm::vec4));
+  attribute(object_array_, 4, 2, 1, GL_UNSIGNED_INT, 0);
+  attribute(object_array_, 5, 3, 4, GL_UNSIGNED_BYTE, 0, true);
+  for (GLuint b = 1; b <= 3; ++b) glVertexArrayBindingDivisor(a, b, 1);
+
+  std::vector<glm::vec3> corners;
+  for (const std::uint8_t c : cube_strip) corners.emplace_back(c & 1, (c >> 1) & 1, (c >> 2) & 1);
+  cube_ = make_buffer(corners);
+  box_array_ = make_vertex_array();
+  glVertexArrayVertexBuffer(box_array_.name(), 0, cube_.name(), 0, sizeof(glm::vec3));
+  attribute(box_array_, 0, 0, 3, GL_FLOAT, 0);
+  attribute(box_array_, 1, 1, 3, GL_FLOAT, 0);
+  attribute(box_array_, 2, 1, 3, GL_FLOAT, sizeof(glm::vec3));
+  glVertexArrayBindingDivisor(box_array_.name(), 1, 1);
+  context_.check("loading the scene");
+}
+
+void SceneDrawing::upload_meshes() {
+  std::vector<glm::vec3> positions;
+  std::vector<glm::uvec3> triangles;
+  std::vector<DrawCommand> by_mesh;
+  for (const Mesh& mesh : scene_.meshes()) {
+    by_mesh.push_back({static_cast<std::uint32_t>(3 * mesh.triangles.size()), 1,
+                       static_cast<std::uint32_t>(3 * triangles.size()), static_cast<std::int32_t>(positions.size()),
+                       0});
+    positions.insert(positions.end(), mesh.positions.begin(), mesh.positions.end());
+    triangles.insert(triangles.end(), mesh.triangles.begin(), mesh.triangles.end());
+  }
+  if (positions.size() > 0x7fffffffu || triangles.size() > 0xffffffffu / 3)
+    throw Unavailable("the scene's meshes have more vertices than an OpenGL index can name");
+  vertices_ = make_buffer(positions);
+  indices_ = make_buffer(triangles);
+  for (const Object& object : scene_.objects()) {
+    DrawCommand command = by_mesh[object.mesh];
+    command.base_instance = static_cast<std::uint32_t>(commands_.size());
+    commands_.push_back(command);
+  }
+}
+
+void SceneDrawing::upload_objects() {
+  const std::size_t count = scene_.objects().size();
+  std::vector<glm::vec4> rows(3 * count), boxes(2 * count);
+  std::vector<std::uint32_t> ids(count), colours(count), used;
+  std::vector<Aabb> used_bounds;
+  for (std::uint32_t id = 0; id < count; ++id) {
+    rows_of(scene_.objects()[id].transform, &rows[3 * std::size_t{id}]);
+    if (commands_[id].index_count == 0) bounds_[id] = Aabb();
+    boxes[2 * std::size_t{id}] = glm::vec4(bounds_[id].lo, 0.0f);
+    boxes[2 * std::size_t{id} + 1] = glm::vec4(bounds_[id].hi, 0.0f);
+    ids[id] = id;
+    colours[id] = colour_of(id);
+    if (bounds_[id].empty()) continue;
+    used.push_back(id);
+    used_bounds.push_back(bounds_[id]);
+  }
+  transforms_ = make_buffer(rows);
+  object_ids_ = make_buffer(ids);
+  colours_ = make_buffer(colours);
+  bounds_buffer_ = make_buffer(boxes);
+  commands_buffer_ = make_buffer(commands_);
+  bvh_ = build_bvh(used_bounds, {.max_leaf_size = 1});
+  for (std::uint32_t& item : bvh_.items) item = used[item];
+}
+
+void SceneDrawing::move(ObjectId id, const Affine& transform) {
+  if (commands_[id].index_count == 0) return;
+  glm::vec4 rows[3];
+  rows_of(transform, rows);
+  glNamedBufferSubData(transforms_.name(), static_cast<GLintptr>(id * sizeof rows), sizeof rows, rows);
+  bounds_[id] = bounds_under(transform, scene_.mesh_of(id).bounds);
+  const glm::vec4 box[2] = {glm::vec4(bounds_[id].lo, 0.0f), glm::vec4(bounds_[id].hi, 0.0f)};
+  glNamedBufferSubData(bounds_buffer_.name(), static_cast<GLintptr>(id * sizeof box), sizeof box, box);
+  ++revision_;
+}
+
+void SceneDrawing::refit() {
+  for (std::size_t n = bvh_.nodes.size(); n-- > 0;) {  // children come after their parent
+    BvhNode& node = bvh_.nodes[n];
+    node.bounds = Aabb();
+    if (node.leaf())
+      for (std::uint32_t i = 0; i < node.count; ++i) node.bounds.extend(bounds_[bvh_.items[node.first + i]]);
+    else
+      for (std::uint32_t i = 0; i < 2; ++i) node.bounds.extend(bvh_.nodes[node.first + i].bounds);
+  }
+}
+
+void SceneDrawing::set_colours(std::span<const std::uint32_t> colours) {
+  glNamedBufferSubData(colours_.name(), 0,
+                       static_cast<GLsizeiptr>(std::min(colours.size(), commands_.size()) * sizeof(std::uint32_t)),
+                       colours.data());
+}
+
+void SceneDrawing::begin(const View& view, Target& target) {
+  view_ = view;
+  target_ = &target;
+  target.resize(view.width, view.height);
+  double farthest = glm::length(view.eye);
+  if (!bvh_.nodes.empty()) farthest = std::max(farthest, static_cast<double>(reach(bvh_.nodes[0].bounds)));
+  frustum_ = view_frustum(view, farthest);
+  eye_ = glm::vec3(view.eye);
+  forward_ = glm::vec3(view_direction(view));
+  near_ = static_cast<float>(view.near);
+  widening_ = static_cast<float>(std::max(pixel_size(view) / 16.0, 1e-6));
+  FrameBlock block{};
+  block.clip = glm::mat4(reversed_projection(view));
+  block.eye = glm::vec4(eye_, widening_);
+  for (int i = 0; i < frustum_.count; ++i) {
+    const Plane& plane = frustum_.planes[static_cast<std::size_t>(i)];
+    block.planes[i] = glm::vec4(plane.normal, plane.offset);
+  }
+  block.forward = glm::vec4(forward_, near_);
+  block.size = {view.width, view.height, frustum_.count, view.projection == Projection::perspective ? 1 : 0};
+  glNamedBufferSubData(frame_buffer_.name(), 0, sizeof block, &block);
+
+  glBindFramebuffer(GL_FRAMEBUFFER, target.framebuffer());
+  glViewport(0, 0, view.width, view.height);
+  glClipControl(GL_LOWER_LEFT, GL_ZERO_TO_ONE);
+  glDisable(GL_BLEND);
+  glDisable(GL_SCISSOR_TEST);
+  glDisable(GL_STENCIL_TEST);
+  glEnable(GL_DEPTH_TEST);
+  glDepthMask(GL_TRUE);
+  glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
+  const GLfloat sky[] = {0.92f, 0.94f, 0.97f, 1.0f}, farthest_depth[] = {0.0f};
+  const GLuint nothing[] = {no_object, 0, 0, 0};
+  glClearBufferfv(GL_COLOR, 0, sky);
+  glClearBufferuiv(GL_COLOR, 1, nothing);
+  glClearBufferfv(GL_DEPTH, 0, farthest_depth);
+  mode_ = Mode::none;
+  boxes_since_draw_ = false;
+  ++work_->frames;
+  if (timeline_ != nullptr) timeline_->frame();
+}
+
+bool SceneDrawing::near_or_inside(const Aabb& box) const {
+  const glm::vec3 half = 0.5f * box.extent(), centre = box.centre() - eye_;
+  const float nearest = glm::dot(forward_, centre) - glm::dot(glm::abs(forward_), half);
+  const float slack = 4.0f * (widening_ * std::max(near_, 0.0f) + 1e-6f * (reach(box) + glm::length(eye_)));
+  return nearest <= near_ + slack + widening_ * std::abs(nearest);
+}
+
+float SceneDrawing::distance2(const Aabb& box) const {
+  const glm::vec3 d = glm::max(glm::max(box.lo - eye_, eye_ - box.hi), glm::vec3(0.0f));
+  return glm::dot(d, d);
+}
+
+void SceneDrawing::enter(Mode mode) {
+  if (mode_ == mode) return;
+  mode_ = mode;
+  glBindBufferBase(GL_UNIFORM_BUFFER, frame_binding, frame_buffer_.name());
+  if (mode == Mode::boxes) {
+    begin_box_mode(box_program_.name());
+    mode_ = Mode::boxes;
+    return;
+  }
+  boxes_since_draw_ = false;
+  glBindVertexArray(object_array_.name());
+  glUseProgram(object_program_.name());
+  glDisable(GL_CULL_FACE);  // both sides of a triangle are seen
+  glDisable(GL_POLYGON_OFFSET_FILL);
+  glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
+  glDepthMask(mode == Mode::objects ? GL_TRUE : GL_FALSE);
+  glDepthFunc(mode == Mode::objects ? GL_GREATER : GL_EQUAL);
+}
+
+void SceneDrawing::begin_box_mode(unsigned program) {
+  if (!boxes_since_draw_) ++work_->state_changes;
+  boxes_since_draw_ = true;
+  mode_ = Mode::none;
+  glBindBufferBase(GL_UNIFORM_BUFFER, frame_binding, frame_buffer_.name());
+  glBindVertexArray(box_array_.name());
+  glUseProgram(program);
+  glColorMask(GL_FALSE, GL_FALSE, GL_FALSE, GL_FALSE);
+  glDepthMask(GL_FALSE);
+  glDepthFunc(GL_GEQUAL);
+  glEnable(GL_CULL_FACE);  // the front alone decides: the eye is outside
+  glCullFace(GL_BACK);
+  glFrontFace(GL_CCW);
+  glEnable(GL_POLYGON_OFFSET_FILL);
+  glPolygonOffset(1.0f, 8.0f);  // towards the eye, as depth is reversed
+}
+
+/// Consecutive ids of one mesh become one instanced call.
+void SceneDrawing::draw_run(const ObjectId* ids, std::size_t count) {
+  for (std::size_t i = 0; i < count;) {
+    const DrawCommand& command = commands_[ids[i]];
+    std::size_t n = 1;
+    while (i + n < count && ids[i + n] == ids[i] + n && commands_[ids[i + n]].first_index == command.first_index &&
+           commands_[ids[i + n]].index_count == command.index_count)
+      ++n;
+    if (command.index_count > 0) {
+      glDrawElementsInstancedBaseVertexBaseInstance(
+          GL_TRIANGLES, static_cast<GLsizei>(command.index_count), GL_UNSIGNED_INT,
+          reinterpret_cast<const void*>(std::size_t{4} * command.first_index), static_cast<GLsizei>(n),
+          command.base_vertex, command.base_instance);
+      ++work_->draw_calls;
+      work_->objects += n;
+      work_->triangles += n * (command.index_count / 3);
+    }
+    i += n;
+  }
+}
+
+void SceneDrawing::draw(std::span<const ObjectId> ids) {
+  if (ids.empty()) return;
+  const Timeline::Guard guard(timeline_, 'D', static_cast<std::uint32_t>(ids.size()));
+  enter(Mode::objects);
+  draw_run(ids.data(), ids.size());
+}
+
+void SceneDrawing::draw_indirect(unsigned commands, std::size_t first, unsigned counts, std::size_t count_offset,
+                                 std::uint32_t most) {
+  const Timeline::Guard guard(timeline_, 'D', most);
+  enter(Mode::objects);
+  glBindBuffer(GL_DRAW_INDIRECT_BUFFER, commands);
+  glBindBuffer(GL_PARAMETER_BUFFER_ARB, counts);
+  glMultiDrawElementsIndirectCountARB(
+      GL_TRIANGLES, GL_UNSIGNED_INT, reinterpret_cast<const void*>(first * sizeof(DrawCommand)),
+      static_cast<GLintptr>(count_offset), static_cast<GLsizei>(most), sizeof(DrawCommand));
+  ++work_->draw_calls;
+}
+
+void SceneDrawing::resolve_ties(std::span<const ObjectId> ids) {
+  std::vector<ObjectId> sorted(ids.begin(), ids.end());
+  std::sort(sorted.begin(), sorted.end(), std::greater<>());
+  Work unused;
+  Work* const counted = std::exchange(work_, &unused);
+  enter(Mode::ties);
+  for (const ObjectId id : sorted) draw_run(&id, 1);
+  work_ = counted;
+}
+
+void SceneDrawing::begin_boxes(std::span<const Aabb> boxes) {
+  boxes_.fill(boxes.data(), boxes.size_bytes());
+  glVertexArrayVertexBuffer(box_array_.name(), 1, boxes_.name(), 0, sizeof(Aabb));
+  enter(Mode::boxes);
+}
+
+void SceneDrawing::draw_boxes(std::uint32_t first, std::uint32_t count) {
+  glDrawArraysInstancedBaseInstance(GL_TRIANGLE_STRIP, 0, 14, static_cast<GLsizei>(count), first);
+  work_->query_boxes += count;
+}
+
+}  // namespace sightline::gl
