@@ -65,6 +65,14 @@ std::pair<int, int> parse_size(std::string_view option, std::string_view text) {
   return {width, height};
 }
 
+std::pair<int, int> parse_pixel(std::string_view option, std::string_view text) {
+  const auto parts = split(text, ',');
+  int x = 0, y = 0;
+  if (parts.size() != 2 || !read_all(parts[0], x) || !read_all(parts[1], y) || x < 0 || y < 0)
+    refuse(option, text, "a pixel X,Y, whole numbers from 0");
+  return {x, y};
+}
+
 std::vector<std::string> parse_names(std::string_view option, std::string_view text) {
   std::vector<std::string> names;
   for (const std::string_view part : split(text, ',')) {

@@ -31,4 +31,7 @@ std::vector<std::string> parse_names(std::string_view option, std::string_view t
 /// "auto", "json" or "none".
 ProgressKind parse_progress(std::string_view option, std::string_view text);
 
+/// "X,Y", whole numbers from 0: a pixel.
+std::pair<int, int> parse_pixel(std::string_view option, std::string_view text);
+
 }  // namespace sightline::cli

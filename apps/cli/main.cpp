@@ -25,12 +25,13 @@ Verb render_command(CLI::App& app);
 Verb explain_command(CLI::App& app);
 Verb completion_command(CLI::App& app);
 Verb manual_command(CLI::App& app);
+Verb view_command(CLI::App& app);
 
 namespace {
 
 constexpr Verb (*commands[])(CLI::App&) = {
     info_command,   list_command,    generate_command,   walk_command,
-    render_command, explain_command, completion_command, manual_command,
+    render_command, explain_command, completion_command, manual_command, view_command,
 };
 
 /// CLI11 names neither a verb that it does not know nor those that there are.

@@ -111,6 +111,16 @@ struct RenderOptions {
   std::string output;
 };
 
+struct ViewerOptions {
+  CommonOptions common;
+  std::string scene;
+  std::vector<std::string> methods;  // empty: the usual ones
+  ViewOptions view;
+  std::string screenshot;  // file of a picture, empty: a window
+  std::string press;       // keys pressed before the picture
+  std::optional<std::pair<int, int>> click;
+};
+
 struct ExplainOptions {
   CommonOptions common;
   std::string scene;

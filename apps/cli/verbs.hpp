@@ -10,6 +10,7 @@ int run_list(const ListOptions& options);
 int run_generate(const GenerateOptions& options);
 int run_walk(const WalkOptions& options);
 int run_render(const RenderOptions& options);
+int run_view(const ViewerOptions& options);
 int run_explain(const ExplainOptions& options);
 
 }  // namespace sightline::cli

@@ -10,9 +10,13 @@
 #include "sightline/oracle/oracle.hpp"
 #include "sightline/registry.hpp"
 #include "verbs.hpp"
+#ifdef SIGHTLINE_VIEWER
 #include "viewer/viewer.hpp"
+#endif
 
 namespace sightline::cli {
+
+#ifdef SIGHTLINE_VIEWER
 namespace {
 
 const std::vector<std::string> usual_methods{"occlusion_masked", "gl_chcpp", "gl_chc", "frustum_hierarchical", "none"};
@@ -21,10 +25,12 @@ const std::vector<std::string> usual_methods{"occlusion_masked", "gl_chcpp", "gl
 class Answers {
  public:
   explicit Answers(const Scene& scene) : scene_(scene) {}
-  std::string operator()(const View& view, ObjectId id) {
+  std::string operator()(const View& view, ObjectId id, const std::string& method, bool reported) {
     if (!oracle_) oracle_ = std::make_unique<Oracle>(scene_);
-    const Explanation why = explain(scene_, *oracle_, oracle_->look(view), view, id);
-    return why.contradiction.empty() ? explanation_lines(scene_, view, why) : "not confirmed: " + why.contradiction;
+    Judgement judgement{method, Promise::approximate, reported,
+                        explain(scene_, *oracle_, oracle_->look(view), view, id)};
+    if (!judgement.why.contradiction.empty()) return "not confirmed: " + judgement.why.contradiction;
+    return explanation_text(scene_, view, judgement);
   }
 
  private:
@@ -53,7 +59,9 @@ int run_view(const ViewerOptions& options) {
   const IndexedScene indexed = index_scene(loaded.scene);
   viewer::SessionConfig config = session_of(options, loaded.scene);
   const auto answers = std::make_shared<Answers>(loaded.scene);
-  config.explain = [answers](const View& view, ObjectId id) { return (*answers)(view, id); };
+  config.explain = [answers](const View& view, ObjectId id, const std::string& method, bool reported) {
+    return (*answers)(view, id, method, reported);
+  };
   const int width = options.view.camera.width, height = options.view.camera.height;
   try {
     if (!file) {
@@ -72,5 +80,13 @@ int run_view(const ViewerOptions& options) {
   if (!options.common.quiet && options.screenshot != "-") fmt::print("{}\n", options.screenshot);
   return exit_ok;
 }
+
+#else
+
+int run_view(const ViewerOptions& /*options*/) {
+  throw UsageError("this program was built without the viewer (SIGHTLINE_VIEWER)");
+}
+
+#endif
 
 }  // namespace sightline::cli

@@ -8,6 +8,7 @@ namespace {
 
 constexpr double radians_per_pixel = 0.005, steepest = 1.553;  // 89 degrees: straight up has no side
 constexpr double seconds_across = 12.0, fast_factor = 5.0, dolly_share = 0.15;
+constexpr double margin = 1.03, overview_pitch = 0.75;
 
 double size_of(const Aabb& box) { return box.empty() ? 1.0 : std::max(1e-3f, glm::length(box.extent())); }
 
@@ -75,14 +76,25 @@ void Navigation::dolly(double notches) {
 
 void Navigation::frame(const Aabb& box, double aspect) {
   if (box.empty()) return;
-  const double radius = 0.5 * size_of(box);
   pivot_ = glm::dvec3(box.centre());
-  const double narrow = std::min(1.0, aspect);
-  const double half_angle = std::atan(std::tan(0.5 * lens_.fov_y) * narrow);
-  const double distance =
-      lens_.projection == Projection::perspective ? radius / std::sin(half_angle) : 2.0 * radius + lens_.near;
-  if (lens_.projection == Projection::orthographic) lens_.span_y = 2.0 * radius / narrow;
-  eye_ = pivot_ - std::max(distance, 2.0 * lens_.near) * direction();
+  const glm::dvec3 ahead = direction(), side = glm::normalize(glm::cross(ahead, glm::dvec3(0, 1, 0)));
+  const glm::dvec3 up = glm::cross(side, ahead);
+  const double tan_y = std::tan(0.5 * lens_.fov_y), tan_x = tan_y * aspect;
+  double distance = 0.0, half_height = 0.0;
+  for (int i = 0; i < 8; ++i) {
+    const glm::dvec3 corner = glm::dvec3(box.corner(i)) - pivot_;
+    const double across = std::abs(glm::dot(corner, side)), high = std::abs(glm::dot(corner, up));
+    half_height = std::max({half_height, high, across / aspect});
+    const double needed = lens_.projection == Projection::perspective ? std::max(across / tan_x, high / tan_y) : 0.0;
+    distance = std::max(distance, needed - glm::dot(corner, ahead));
+  }
+  if (lens_.projection == Projection::orthographic) lens_.span_y = std::max(2.0 * margin * half_height, 1e-6);
+  eye_ = pivot_ - (margin * distance + 2.0 * lens_.near) * ahead;
+}
+
+void Navigation::overview(const Aabb& box, double aspect) {
+  pitch_ = -overview_pitch;
+  frame(box, aspect);
 }
 
 glm::dvec3 Navigation::direction() const {

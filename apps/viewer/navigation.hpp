@@ -30,6 +30,8 @@ class Navigation {
   void dolly(double notches);
   /// Makes all of the box visible without turning, on a picture of this width over height; it becomes the pivot.
   void frame(const Aabb& box, double aspect);
+  /// The same looking down from above.
+  void overview(const Aabb& box, double aspect);
   void set_pivot(const glm::dvec3& point) { pivot_ = point; }
   [[nodiscard]] const glm::dvec3& pivot() const { return pivot_; }
 

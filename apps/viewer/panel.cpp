@@ -78,7 +78,9 @@ void answer(const Session& session) {
   const ImGuiIO& io = ImGui::GetIO();
   ImGui::SetNextWindowPos(ImVec2(io.DisplaySize.x - 10, 10), ImGuiCond_Always, ImVec2(1, 0));
   ImGui::Begin("why?", nullptr, quiet);
+  ImGui::PushTextWrapPos(std::max(200.0f, std::min(560.0f, io.DisplaySize.x - 420.0f)));
   text(session.explanation());
+  ImGui::PopTextWrapPos();
   ImGui::End();
 }
 

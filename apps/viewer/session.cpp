@@ -17,7 +17,7 @@ using Clock = std::chrono::steady_clock;
 
 constexpr std::size_t longest_history = 240;
 constexpr double views_per_second = 30.0;
-constexpr std::uint32_t chosen_colour = 0xff00d7ffu, frustum_colour = 0xff000000u;
+constexpr std::uint32_t chosen_colour = 0xff00d7ffu, frustum_colour = 0xff000000u, unasked_colour = 0xffa0a0a0u;
 
 double milliseconds_since(Clock::time_point start) {
   return std::chrono::duration<double, std::milli>(Clock::now() - start).count();
@@ -57,11 +57,12 @@ std::vector<std::pair<std::string, std::string>> Session::keys() {
   return {{"W A S D", "fly; E and X up and down, Shift faster"},
           {"drag", "orbit (left button), look around (right button); wheel: nearer, farther"},
           {"F", "frame: make the whole scene, or the chosen object, visible"},
+          {"O", "overview: the whole scene from above"},
           {"C", "freeze culling and fly out; again to go on"},
           {"V", "colours by verdict: seen, outside the frustum, occluded, too small"},
           {"B", "bounds of the objects"},
           {"Z", "depth"},
-          {"Q", "bounds coloured by the occlusion query that asked about them (gl_chc, gl_chcpp)"},
+          {"Q", "colours by the occlusion query that asked last (gl_chc, gl_chcpp)"},
           {"M", "next method"},
           {"N P", "next, previous view of the path; space plays it"},
           {"click", "why is this object seen?"},
@@ -74,6 +75,9 @@ bool Session::press(char key) {
     case 'F':
       navigation_.frame(chosen_ != no_object ? drawing_.bounds()[chosen_] : scene_.scene.bounds(),
                         static_cast<double>(view_.width) / view_.height);
+      return true;
+    case 'O':
+      navigation_.overview(scene_.scene.bounds(), static_cast<double>(view_.width) / view_.height);
       return true;
     case 'C':
       frozen_view_ = frozen_view_ ? std::nullopt : std::optional<View>(view_);
@@ -189,6 +193,7 @@ void Session::cull_through_gl(const View& view) {
   gl_method_->drawn(drawn);
   figures_.draw_ms = milliseconds_since(start);
   drawing_.set_work(nullptr);
+  read_queries();
   visible_.reset(all_.universe());
   for (const ObjectId id : drawn) visible_.insert(id);
   figures_.queries = work.queries;
@@ -209,11 +214,18 @@ void Session::judge(const View& view) {
 void Session::colour() {
   if (by_standing_ && !standings_.empty()) {
     drawing_.set_colours(colours_of(standings_));
-    coloured_ = true;
-  } else if (coloured_) {
-    drawing_.set_colours(gl::SceneDrawing::colours_by_id(all_.universe()));
-    coloured_ = false;
+  } else if (by_query_) {
+    std::vector<std::uint32_t> colours(all_.universe(), unasked_colour);
+    for (std::size_t query = 0; query < queries_.size(); ++query)
+      for (const std::uint32_t node : queries_[query]) {
+        const ItemRange below = items_below(drawing_.bvh(), node);
+        for (std::uint32_t i = below.begin; i < below.end; ++i) colours[drawing_.bvh().items[i]] = hue(query);
+      }
+    drawing_.set_colours(colours);
+  } else if (recoloured_) {
+    drawing_.set_colours({});
   }
+  recoloured_ = by_standing_ || by_query_;
 }
 
 void Session::draw_lines() {
@@ -225,16 +237,21 @@ void Session::draw_lines() {
   if (bounds_)
     for (std::size_t i = 0; i < standings_.size(); ++i)
       gl::add_box(lines, drawing_.bounds()[i], looks[static_cast<std::size_t>(standings_[i])].colour);
-  if (by_query_) lines_of_queries(lines);
+  if (by_query_)
+    for (std::size_t query = 0; query < queries_.size(); ++query)
+      for (const std::uint32_t node : queries_[query])
+        gl::add_box(lines, drawing_.bvh().nodes[node].bounds, hue(query));
   if (chosen_ != no_object) gl::add_box(lines, drawing_.bounds()[chosen_], chosen_colour);
   line_drawing_.draw(view_, lines, target_);
 }
 
 /// Lines of the log are "FRAME node A [B ...] -> answer" or "FRAME node A answer": numbers after "node" name nodes.
-void Session::lines_of_queries(std::vector<gl::Line>& lines) const {
+void Session::read_queries() {
+  queries_.clear();
   std::istringstream log(query_log_);
   std::string text;
-  for (std::size_t query = 0; std::getline(log, text); ++query) {
+  while (std::getline(log, text)) {
+    std::vector<std::uint32_t> nodes;
     std::istringstream words(text);
     std::string word;
     while (words >> word && !word.starts_with("node")) {
@@ -243,8 +260,9 @@ void Session::lines_of_queries(std::vector<gl::Line>& lines) const {
       char* end = nullptr;
       const unsigned long node = std::strtoul(word.c_str(), &end, 10);
       if (end == word.c_str() || node >= drawing_.bvh().nodes.size()) break;
-      gl::add_box(lines, drawing_.bvh().nodes[node].bounds, hue(query));
+      nodes.push_back(static_cast<std::uint32_t>(node));
     }
+    if (!nodes.empty()) queries_.push_back(std::move(nodes));
   }
 }
 
@@ -261,7 +279,9 @@ void Session::choose(int x, int y) {
   const std::string_view word = standings_.empty() ? "" : looks[static_cast<std::size_t>(standings_[chosen_])].word;
   explanation_ = fmt::format("object {} {}\n{} triangles, {}\n", chosen_, scene_.scene.name(chosen_),
                              drawing_.triangles_of(chosen_), word);
-  if (config_.explain) explanation_ += config_.explain(frozen_view_ ? *frozen_view_ : view_, chosen_);
+  if (config_.explain)
+    explanation_ +=
+        config_.explain(frozen_view_ ? *frozen_view_ : view_, chosen_, method(), visible_.contains(chosen_));
 }
 
 std::string Session::command_line() const {

@@ -24,8 +24,8 @@ struct SessionConfig {
   View start;                        // where the eye is first
   std::vector<View> path;            // N and P go through them, the space bar plays them; may be empty
   std::size_t path_frame = 0;        // index into path of `start`
-  /// Says in a few lines why an object is seen or not from a view; empty: no answers.
-  std::function<std::string(const View&, ObjectId)> explain;
+  /// Says in a few lines why an object is seen or not from a view, beside what the method said; empty: no answers.
+  std::function<std::string(const View&, ObjectId, const std::string& method, bool reported)> explain;
 };
 
 /// What one frame was.
@@ -42,7 +42,7 @@ class Session {
   Session(SessionConfig config, const IndexedScene& scene, gl::Context& context);
   ~Session();
 
-  /// One key as on the window: F C V B Z Q M N P, space, ?. False if it means nothing.
+  /// One key as on the window: F O C V B Z Q M N P, space, ?. False if it means nothing.
   bool press(char key);
   /// The lines that ? shows, "key", "what it does".
   static std::vector<std::pair<std::string, std::string>> keys();
@@ -84,7 +84,7 @@ class Session {
   void judge(const View& view);
   void colour();
   void draw_lines();
-  void lines_of_queries(std::vector<gl::Line>& lines) const;
+  void read_queries();
   void step_path(int by);
 
   SessionConfig config_;
@@ -97,12 +97,13 @@ class Session {
   std::unique_ptr<Culler> frustum_culler_, detail_culler_, culler_;
   std::unique_ptr<gl::Method> gl_method_;
   std::string query_log_;
+  std::vector<std::vector<std::uint32_t>> queries_;  // of the last frame: the nodes that each asked about
   std::vector<Standing> standings_;
   View view_;
   std::optional<View> frozen_view_;
   std::size_t method_index_ = 0;
   bool by_standing_ = false, bounds_ = false, depth_ = false, by_query_ = false, help_ = false, playing_ = false,
-       quit_ = false, coloured_ = false;
+       quit_ = false, recoloured_ = false;
   double played_ = 0.0;
   ObjectId chosen_ = no_object;
   std::string explanation_;

@@ -227,6 +227,11 @@ void SceneDrawing::refit() {
 }
 
 void SceneDrawing::set_colours(std::span<const std::uint32_t> colours) {
+  std::vector<std::uint32_t> by_id;
+  if (colours.empty()) {
+    for (std::uint32_t id = 0; id < commands_.size(); ++id) by_id.push_back(colour_of(id));
+    colours = by_id;
+  }
   glNamedBufferSubData(colours_.name(), 0,
                        static_cast<GLsizeiptr>(std::min(colours.size(), commands_.size()) * sizeof(std::uint32_t)),
                        colours.data());

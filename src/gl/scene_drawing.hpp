@@ -49,7 +49,7 @@ class SceneDrawing {
   /// Grows with every move, so that who keeps something derived from bounds knows.
   [[nodiscard]] std::uint64_t revision() const { return revision_; }
 
-  /// Colours by object, 0xAABBGGRR; default is a colour by id.
+  /// Colours by object, 0xAABBGGRR; default, and what an empty span brings back, is a colour by id.
   void set_colours(std::span<const std::uint32_t> colours);
 
   /// Starts a frame: clears the target and sets the view. All that follows goes there.

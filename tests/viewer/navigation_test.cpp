@@ -68,6 +68,10 @@ TEST(Navigation, FramingShowsTheWholeBox) {
       navigation.frame(box(), width / 360.0);
       const View framed = navigation.view(width, 360);
       for (int corner = 0; corner < 8; ++corner) EXPECT_TRUE(sees(framed, box().corner(corner))) << width;
+      navigation.overview(box(), width / 360.0);
+      const View above = navigation.view(width, 360);
+      for (int corner = 0; corner < 8; ++corner) EXPECT_TRUE(sees(above, box().corner(corner))) << width;
+      EXPECT_GT(above.eye.y, box().hi.y);
     }
 }
 
