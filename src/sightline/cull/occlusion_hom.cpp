@@ -10,7 +10,7 @@
 namespace sightline {
 namespace {
 
-/// For every block of the image the farthest that any occluder touching it can be. Farther is behind all of them.
+/// For every block of the image the farthest that an occluder which covers a pixel of it can be.
 class DepthEstimate {
  public:
   void reset(int width, int height, int block) {
@@ -19,22 +19,21 @@ class DepthEstimate {
     farthest_.assign(static_cast<std::size_t>(across_) * static_cast<std::size_t>((height + block - 1) / block),
                      -std::numeric_limits<float>::infinity());
   }
-  void add(const BoxFootprint& f) {
-    const auto depth = static_cast<float>(f.farthest + std::abs(f.farthest) * 1e-6);
-    each(f, [&](float& farthest) { farthest = std::max(farthest, depth); });
+  void add(int x, int y, float farthest) {
+    float& depth = farthest_[index(x / block_, y / block_)];
+    depth = std::max(depth, farthest);
   }
-  [[nodiscard]] bool in_front_of(const BoxFootprint& f) {
-    bool all = true;
-    each(f, [&](const float& farthest) { all = all && behind(f.nearest, farthest); });
-    return all;
+  /// True if the box lies behind the estimate in every block that its rectangle touches.
+  [[nodiscard]] bool in_front_of(const BoxFootprint& f) const {
+    for (int y = f.y0 / block_; y <= (f.y1 - 1) / block_; ++y)
+      for (int x = f.x0 / block_; x <= (f.x1 - 1) / block_; ++x)
+        if (!behind(f.nearest, farthest_[index(x, y)])) return false;
+    return true;
   }
 
  private:
-  template <class F>
-  void each(const BoxFootprint& f, F&& visit) {
-    for (int y = f.y0 / block_; y <= (f.y1 - 1) / block_; ++y)
-      for (int x = f.x0 / block_; x <= (f.x1 - 1) / block_; ++x)
-        visit(farthest_[static_cast<std::size_t>(y) * static_cast<std::size_t>(across_) + static_cast<std::size_t>(x)]);
+  [[nodiscard]] std::size_t index(int x, int y) const {
+    return static_cast<std::size_t>(y) * static_cast<std::size_t>(across_) + static_cast<std::size_t>(x);
   }
   int block_ = 1, across_ = 1;
   std::vector<float> farthest_;
@@ -65,25 +64,40 @@ class OcclusionHom final : public Culler {
   [[nodiscard]] bool approximate() const override { return opacity_ < 1 || holes_ > 0; }
 
  private:
-  /// The occluder selection: what looks large and lies near comes first, until the budget of triangles is spent. What
-  /// reaches before the near plane comes last, as its depth is the worst of estimates.
-  void draw_occluders() {
-    order_.resize(stage_.objects().size());
-    for (std::uint32_t i = 0; i < order_.size(); ++i) order_[i] = i;
+  /// The occluder selection: what looks large and lies near, until the budget of triangles is spent. What reaches
+  /// before the near plane is left out, as its depth is the worst of estimates.
+  void select_occluders() {
+    order_.clear();
+    const std::span<const StagedObject> objects = stage_.objects();
+    for (std::uint32_t i = 0; i < objects.size(); ++i)
+      if (objects[i].footprint.place == BoxPlace::rectangle) order_.push_back(i);
     const auto value = [&](std::uint32_t i) {
-      const StagedObject& object = stage_.objects()[i];
-      if (object.footprint.place == BoxPlace::everywhere) return 0.0;
-      return object.footprint.pixels() / (1e-3 + std::abs(object.footprint.farthest));
+      return objects[i].footprint.pixels() / (1e-3 + std::abs(objects[i].footprint.farthest));
     };
     std::stable_sort(order_.begin(), order_.end(), [&](auto a, auto b) { return value(a) > value(b); });
+    std::erase_if(order_, [&](std::uint32_t i) { return !stage_.reserve(objects[i]); });
+    std::stable_sort(order_.begin(), order_.end(),
+                     [&](auto a, auto b) { return objects[a].footprint.farthest < objects[b].footprint.farthest; });
+  }
+
+  /// Draws nearest first, and lets an occluder deepen the estimate only where it covers what was open: everything else
+  /// is hidden by nearer ones already.
+  void draw_occluders() {
+    select_occluders();
     depth_.reset(stage_.width(), stage_.height(), block_);
-    for (const std::uint32_t i : order_)
-      if (stage_.objects()[i].footprint.place == BoxPlace::rectangle && stage_.draw(stage_.objects()[i]))
-        depth_.add(stage_.objects()[i].footprint);
     overlap_.reset(stage_.width(), stage_.height());
-    for (int y = 0; y < stage_.height(); ++y)
-      for (int x = 0; x < stage_.width(); ++x)
-        if (std::isfinite(stage_.buffer().hidden_beyond(x, y))) overlap_.cover(x, y);
+    for (const std::uint32_t i : order_) {
+      const StagedObject& object = stage_.objects()[i];
+      const BoxFootprint& f = object.footprint;
+      stage_.draw_reserved(object);
+      const auto farthest = static_cast<float>(f.farthest + std::abs(f.farthest) * 1e-6);
+      for (int y = f.y0; y < f.y1; ++y)
+        for (int x = f.x0; x < f.x1; ++x)
+          if (!overlap_.covered(x, y) && std::isfinite(stage_.buffer().hidden_beyond(x, y))) {
+            overlap_.cover(x, y);
+            depth_.add(x, y, farthest);
+          }
+    }
     overlap_.build();
   }
 

@@ -121,14 +121,24 @@ void OcclusionStage::sort() {
               [&](const StagedObject& a, const StagedObject& b) { return before(b, a); });
 }
 
-bool OcclusionStage::draw(const StagedObject& staged) {
+bool OcclusionStage::reserve(const StagedObject& staged) {
   const Object& object = scene_.objects()[staged.id];
   const auto triangles = static_cast<std::int64_t>(scene_.meshes()[object.mesh].triangles.size());
   const BoxFootprint& f = staged.footprint;
   if (!object.opaque || triangles == 0 || triangles > budget_) return false;
   if (std::min(f.x1 - f.x0, f.y1 - f.y0) < config_.min_size) return false;
   budget_ -= triangles;
+  return true;
+}
+
+void OcclusionStage::draw_reserved(const StagedObject& staged) {
+  const Object& object = scene_.objects()[staged.id];
   buffer_.add_occluder(meshes_[object.mesh], object.transform);
+}
+
+bool OcclusionStage::draw(const StagedObject& staged) {
+  if (!reserve(staged)) return false;
+  draw_reserved(staged);
   return true;
 }
 

@@ -41,6 +41,9 @@ class OcclusionStage {
   [[nodiscard]] std::span<const StagedObject> objects() const { return objects_; }
   /// Draws an object if it is opaque, large enough and fits the budget; true if it may have changed the depth image.
   bool draw(const StagedObject& object);
+  /// The same in two steps: takes the triangles from the budget; draws what was reserved.
+  bool reserve(const StagedObject& object);
+  void draw_reserved(const StagedObject& object);
   /// Adds what was drawn.
   void end(Counters& counters) const;
 

@@ -16,6 +16,7 @@ class OverlapPyramid {
   [[nodiscard]] int level_width(int level) const { return levels_[static_cast<std::size_t>(level)].width; }
   [[nodiscard]] int level_height(int level) const { return levels_[static_cast<std::size_t>(level)].height; }
   void cover(int x, int y) { levels_.front().covered[index(levels_.front(), x, y)] = 1; }
+  [[nodiscard]] bool covered(int x, int y) const { return levels_.front().covered[index(levels_.front(), x, y)] != 0; }
   /// Makes the levels above follow the pixels.
   void build();
   /// Covered share of a cell's pixels, 0 to 1. Pixels beyond the image do not count.
