@@ -28,7 +28,8 @@ Scene scene_of(const Scene& scene, const AutoOccluders& occluders) {
   };
   for (std::size_t m = 0; m < occluders.meshes.size(); ++m) {
     const std::string& name = scene.meshes()[m].name;
-    ids.emplace_back(add(occluders.meshes[m].surface, name), add(occluders.meshes[m].solid, name + " (inside)"));
+    const MeshId surface = add(occluders.meshes[m].surface, name);
+    ids.emplace_back(surface, add(occluders.meshes[m].solid, name + " (inside)"));
   }
   for (ObjectId id = 0; id < scene.objects().size(); ++id) {
     const Object& object = scene.objects()[id];

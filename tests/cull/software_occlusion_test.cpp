@@ -78,8 +78,8 @@ TEST(Occlusion, ATetrahedronBehindTwoObjects) {
                    false,
                    {}};
   builder.add_object(half, cases::at({-1, 0, -4}), "right");
-  builder.add_object(half, cases::at({-7.5f, 0, -5}), "left, overlaps on the screen");
-  const ObjectId hidden = builder.add_object(builder.add_mesh(tetrahedron), cases::at({-1.2f, 0, -12}));
+  builder.add_object(half, cases::at({-7, 0, -5}), "left, overlaps on the screen");
+  const ObjectId hidden = builder.add_object(builder.add_mesh(tetrahedron), cases::at({-2.7f, 0, -12}));
   const Scene scene = builder.build();
   const IndexedScene indexed = index_scene(scene);
   for (const char* method : conservative)
@@ -133,10 +133,14 @@ TEST(Occlusion, AnOpacityThresholdClosesSmallGaps) {
 
 // Bartz 1999: sparse samples lose what shows between them; with every sample taken nothing is lost.
 TEST(Occlusion, SparseSamplesLoseWhatShowsBetweenThem) {
-  const Scene scene = cases::gap_scene(0.1f);
+  SceneBuilder builder;
+  const MeshId wall = builder.add_mesh(cases::quad({0, -50, -5}, {50, 0, 0}, {0, 100, 0}));
+  builder.add_object(wall, cases::at({0.4f, 0, 0}));
+  builder.add_object(wall, cases::at({-49.7f, 0, 0}));  // three pixels between them, columns 169 to 172
+  builder.add_object(builder.add_mesh(cases::cube(2)), cases::at({0, 0, -20}));
+  const Scene scene = builder.build();
   const IndexedScene indexed = index_scene(scene);
-  View view = front_view();
-  view.eye = {0, 0, 6};
+  const View view = front_view();
   const Answer dense = ask("occlusion_virtual:step=1", indexed, view),
                sparse = ask("occlusion_virtual:step=16", indexed, view);
   EXPECT_TRUE(dense.verdict.missed.empty());
@@ -198,7 +202,7 @@ TEST(OcclusionHorizon, WallsLoseNothingBoxesDo) {
   Mesh slanted = cases::cube(1);  // a pyramid: its box hides far more than itself
   for (std::size_t i : {2u, 3u, 6u, 7u}) slanted.positions[i].x = slanted.positions[i].z = 0;
   builder.add_object(builder.add_mesh(slanted), {{4, 0, 0}, {0, 4, 0}, {0, 0, 4}, {0, 4, -14}});
-  const ObjectId seen = builder.add_object(builder.add_mesh(cases::cube(0.5f)), cases::at({-3, 6, -24}));
+  const ObjectId seen = builder.add_object(builder.add_mesh(cases::cube(0.5f)), cases::at({-4, 6, -24}));
   const Scene scene = builder.build();
   const IndexedScene indexed = index_scene(scene);
   View view = front_view();

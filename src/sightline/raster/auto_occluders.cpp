@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "sightline/parallel/parallel.hpp"
 #include "sightline/raster/coplanar_patches.hpp"
@@ -95,49 +96,83 @@ void compact(Mesh& mesh, const std::vector<glm::vec3>& positions) {
 
 }  // namespace
 
+namespace {
+
+double mean_scale(const Use& use) { return use.count == 0 ? 0.0 : use.scale_squared / static_cast<double>(use.count); }
+
+void offer_patches(std::uint32_t m, const Parts& parts, const Use& use, double share, std::vector<Offer>& offers) {
+  for (std::uint32_t p = 0; p < parts.patches.size(); ++p) {
+    const Patch& patch = parts.patches[p];
+    const double value = share * value_of(0.5 * patch.area * mean_scale(use));
+    offers.push_back({m, p, value / static_cast<double>(patch.triangles.size()), patch.triangles.size() * use.count});
+  }
+}
+
+/// The density of the last patch that the budget would buy if there were no boxes; 0 if it would buy all.
+double last_density(const std::vector<Parts>& parts, const std::vector<Use>& uses, std::uint64_t budget) {
+  std::vector<Offer> offers;
+  std::uint64_t total = 0;
+  for (std::uint32_t m = 0; m < parts.size(); ++m) offer_patches(m, parts[m], uses[m], 1.0, offers);
+  for (const Offer& offer : offers) total += offer.cost;
+  if (total <= budget) return 0;
+  double last = std::numeric_limits<double>::infinity();
+  Buyer(budget, std::move(offers)).buy([&](const Offer& offer) { last = std::min(last, offer.density); });
+  return std::isfinite(last) ? last : 0;
+}
+
+/// Boxes inside the meshes for which they can be worth it: closed, with many triangles, and large enough.
+void find_solids(const Scene& scene, const std::vector<Use>& uses, double least_density, int cells,
+                 std::vector<Parts>& parts) {
+  std::vector<std::uint32_t> wanted;
+  for (std::uint32_t m = 0; m < parts.size(); ++m) {
+    const Mesh& mesh = scene.meshes()[m];
+    std::size_t triangles = 0;
+    for (const Patch& patch : parts[m].patches) triangles += patch.triangles.size();
+    const double most = value_of(0.25 * box_area(mesh.bounds) * mean_scale(uses[m])) / 12;
+    if (uses[m].count > 0 && mesh.closed && triangles > 24 && most > least_density) wanted.push_back(m);
+  }
+  parallel_blocks(wanted.size(), 1, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i)
+      parts[wanted[i]].solid = solid_boxes(scene.meshes()[wanted[i]], {.cells = cells, .boxes = 6, .gain = 0.05});
+  });
+}
+
+}  // namespace
+
 AutoOccluders make_auto_occluders(const Scene& scene, const AutoOccluderConfig& config) {
   const std::vector<Use> uses = uses_of(scene);
+  const std::uint64_t budget = budget_of(scene, config);
   std::vector<Parts> parts(uses.size());
   parallel_blocks(parts.size(), 1, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t m = begin; m < end; ++m) {
-      const Mesh& mesh = scene.meshes()[m];
-      if (uses[m].count == 0) continue;
-      parts[m].patches = coplanar_patches(mesh.positions, mesh.triangles);
-      std::size_t triangles = 0;
-      for (const Patch& patch : parts[m].patches) triangles += patch.triangles.size();
-      if (config.solids && mesh.closed && triangles > 24)
-        parts[m].solid = solid_boxes(mesh, {.cells = config.cells, .boxes = 6, .gain = 0.05});
-    }
+    for (std::size_t m = begin; m < end; ++m)
+      if (uses[m].count > 0)
+        parts[m].patches = coplanar_patches(scene.meshes()[m].positions, scene.meshes()[m].triangles);
   });
+  if (config.solids) find_solids(scene, uses, last_density(parts, uses, budget), config.cells, parts);
 
   std::vector<Offer> offers;
   for (std::uint32_t m = 0; m < parts.size(); ++m) {
-    const double scale = uses[m].count == 0 ? 0 : uses[m].scale_squared / static_cast<double>(uses[m].count);
     double solid = 0, surface = 0;
     for (const Aabb& box : parts[m].solid) solid = std::max(solid, box_area(box));
     for (const Patch& patch : parts[m].patches) surface += patch.area;
     if (solid > 0) {
       const std::size_t cost = 12 * parts[m].solid.size();
-      offers.push_back({m, boxes, value_of(0.25 * solid * scale) / static_cast<double>(cost), cost * uses[m].count});
+      const double value = value_of(0.25 * solid * mean_scale(uses[m]));
+      offers.push_back({m, boxes, value / static_cast<double>(cost), cost * uses[m].count});
     }
     // What the boxes hide the surface need not hide again.
-    const double rest = std::clamp(1 - solid / std::max(surface, 1e-300), 0.05, 1.0);
-    for (std::uint32_t p = 0; p < parts[m].patches.size(); ++p) {
-      const Patch& patch = parts[m].patches[p];
-      offers.push_back({m, p, rest * value_of(0.5 * patch.area * scale) / static_cast<double>(patch.triangles.size()),
-                        patch.triangles.size() * uses[m].count});
-    }
+    offer_patches(m, parts[m], uses[m], std::clamp(1 - solid / std::max(surface, 1e-300), 0.05, 1.0), offers);
   }
 
   AutoOccluders result;
   result.meshes.resize(parts.size());
-  Buyer(budget_of(scene, config), std::move(offers)).buy([&](const Offer& offer) {
+  Buyer(budget, std::move(offers)).buy([&](const Offer& offer) {
     AutoOccluder& occluder = result.meshes[offer.mesh];
+    const Parts& from = parts[offer.mesh];
     if (offer.patch == boxes)
-      for (const Aabb& box : parts[offer.mesh].solid) add_box(box, occluder.solid);
+      for (const Aabb& box : from.solid) add_box(box, occluder.solid);
     else
-      for (const glm::uvec3& t : parts[offer.mesh].patches[offer.patch].triangles)
-        occluder.surface.triangles.push_back(t);
+      for (const glm::uvec3& t : from.patches[offer.patch].triangles) occluder.surface.triangles.push_back(t);
     (offer.patch == boxes ? result.solid_triangles : result.surface_triangles) += offer.cost;
     result.triangles += offer.cost;
   });

@@ -14,7 +14,7 @@ struct AutoOccluderConfig {
   std::uint64_t budget = 0;  // triangles, each instance counted; 0: `share` of the scene's
   double share = 0.1;        // 0 to 1
   bool solids = true;        // also boxes inside of closed meshes
-  int cells = 20;            // of their voxel grid along each axis, 4 to 128
+  int cells = 16;            // of their voxel grid along each axis, 4 to 128
 };
 
 /// The occluder of one mesh, in its space. Positions of `surface` are those of the mesh. Names are left empty.

@@ -15,6 +15,9 @@ namespace {
 
 __extension__ using Wide = __int128;
 
+/// Outlines with more corners stay as they are: cutting ears off takes up to the third power of them.
+constexpr std::size_t most_corners = 256;
+
 /// Exact answers about points of a mesh.
 class ExactPoints {
  public:
@@ -234,7 +237,7 @@ class Merger {
   Loop join_loops(std::vector<Loop> loops, const glm::dvec3& plane_normal) {
     std::size_t corners = 0;
     for (const Loop& loop : loops) corners += loop.size();
-    if (loops.empty() || corners + 2 * loops.size() > most_concave_corners) return {};
+    if (loops.empty() || corners + 2 * loops.size() > most_corners) return {};
     const glm::dvec3 size = glm::abs(plane_normal);
     const int axis = size.x >= size.y && size.x >= size.z ? 0 : (size.y >= size.z ? 1 : 2);
     const int u = plane_normal[axis] >= 0 ? (axis + 1) % 3 : (axis + 2) % 3, v = 3 - axis - u;

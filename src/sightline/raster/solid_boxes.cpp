@@ -41,7 +41,9 @@ class Voxels {
     for (int z = 1; z + 1 < n_; ++z)
       for (int y = 1; y + 1 < n_; ++y)
         for (int x = 1; x + 1 < n_; ++x) {
-          if (at(x, y, z) != inside || taken[index(x, y, z)] != 0 || ((x + y + z) % 2 != 0 && best.area > 0)) continue;
+          if (at(x, y, z) != inside || taken[index(x, y, z)] != 0) continue;
+          // Every second cell each way, as neighbours grow to the same box; all of them as long as there is none.
+          if (best.area > 0 && (x % 2 != 0 || y % 2 != 0 || z % 2 != 0)) continue;
           const CellBox box = grow({x, y, z});
           if (box.area > best.area) best = box;
         }

@@ -10,7 +10,7 @@
 namespace sightline {
 
 struct SolidBoxConfig {
-  int cells = 20;      // of the grid along each axis, 4 to 128
+  int cells = 16;      // of the grid along each axis, 4 to 128
   int boxes = 6;       // at most so many
   double gain = 0.05;  // stop when a box adds less than this share of the mesh's bounds' surface
 };
