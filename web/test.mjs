@@ -204,6 +204,19 @@ async function run_all() {
     await page.screenshot({ path: `${dist}several.png`, fullPage: true });
   }, { width: 1000 });
 
+  const compared = make_fixture({ ...small, methods: 2 });
+  compared.report.comparison = { units: { ms_per_triangle: 5e-5, ms_per_pixel: 1e-6, ms_per_byte: 1e-7 }, methods: compared.runs.map((run, i) => ({
+    method: run.method, promise: i === 0 ? 'conservative' : 'approximate', culled: 0.9, found: null, missed: 2 * i, false_visible: 3.5, lost_pixels: 11 * i,
+    cull_ms_median: 0.25, memory_bytes: i === 0 ? 2.5e6 : null, counters_per_frame: { queries: 1234 },
+    stages_ms: { application: 0.25, geometry: 4, fill: i === 0 ? 8 : null, bus: 0.1 }, limited_by: i === 0 ? 'fill' : 'geometry' })) };
+  await with_page('comparison', compared, async (page) => {
+    const section = page.locator('.comparison');
+    assert.equal(await section.locator('table').count(), 2);
+    assert.match(await section.innerText(), /90\.0 %[^]*2\.50 MB[^]*11/);
+    assert.deepEqual(await section.locator('[data-limits]').allInnerTexts(), ['8.00', '4.00']);
+    await shot(page, 'comparison');
+  });
+
   const ceiling = make_fixture({ ...small, ceiling: true });
   await with_page('roof cut away', ceiling, async (page) => {
     const height = Number((await page.locator('.cut output').innerText()).replace(' m', ''));

@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "occlusion_picture.hpp"
 #include "picture.hpp"
 
 namespace sightline::cli {
@@ -130,6 +131,32 @@ struct ExplainOptions {
   int samples = 1;     // n x n oracle samples for each pixel
   int random = 0;      // so many random pairs of object and view instead of one
   std::string output;  // picture, empty for none
+};
+
+struct CompareOptions {
+  CommonOptions common;
+  std::string scene;
+  std::vector<std::string> methods{"all"};
+  PathOptions path;
+  CameraOptions camera;
+  int samples = 1;     // n x n oracle samples for each pixel
+  std::string report;  // folder for the report page, empty for none
+};
+
+struct OccludersOptions {
+  CommonOptions common;
+  std::string scene;
+  std::string output;        // .glb, empty for none
+  std::uint64_t budget = 0;  // triangles, each instance counted; 0: a tenth of the scene's
+  bool whole = false;        // one occluder in world space
+  bool solids = true;        // also boxes inside of closed meshes
+  bool report = false;       // measure along the path
+  std::string picture;       // .png, empty for none
+  OcclusionShow show = OcclusionShow::occluders;
+  std::optional<glm::dvec3> eye;  // of the picture; the first view of the path if absent
+  glm::dvec3 look{0.0, 0.0, -1.0};
+  PathOptions path;
+  CameraOptions camera;
 };
 
 }  // namespace sightline::cli

@@ -73,6 +73,7 @@ std::string additions(const WalkReport& report) {
     for (std::size_t i = 0; i < run.answers.size(); ++i) json["frames"].push_back(frame_json(report, run, i));
   for (const WalkPicture& picture : report.pictures)
     json["pictures"].push_back({{"frame", picture.frame}, {"kind", picture.kind}, {"png", base64(picture.png)}});
+  if (!report.comparison.empty()) json["comparison"] = Json::parse(report.comparison);
   return ",\n\"report\":" + json.dump(-1, ' ', false, Json::error_handler_t::replace);
 }
 

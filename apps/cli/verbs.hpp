@@ -12,5 +12,7 @@ int run_walk(const WalkOptions& options);
 int run_render(const RenderOptions& options);
 int run_view(const ViewerOptions& options);
 int run_explain(const ExplainOptions& options);
+int run_compare(const CompareOptions& options);
+int run_occluders(const OccludersOptions& options);
 
 }  // namespace sightline::cli

@@ -1,5 +1,7 @@
 #include "walk_loop.hpp"
 
+#include <malloc.h>
+
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -8,6 +10,7 @@
 #include "output.hpp"
 #include "picture.hpp"
 #include "scene_argument.hpp"
+#include "sightline/parallel/parallel.hpp"
 #include "sightline/registry.hpp"
 
 namespace sightline::cli {
@@ -46,6 +49,12 @@ std::vector<std::uint8_t> object_states(const VisibleSet& frustum, const Visible
   return states;
 }
 
+/// Bytes in use in the main arena of the allocator and in mapped blocks.
+std::size_t allocated_bytes() {
+  const struct mallinfo2 info = mallinfo2();
+  return info.uordblks + info.hblkhd;
+}
+
 /// One method at work.
 struct Contender {
   std::unique_ptr<Culler> culler;
@@ -62,10 +71,18 @@ class Walker {
         candidates_(VisibleSet::all(scene_.objects().size())),
         frustum_culler_(make_culler("frustum_linear", indexed)) {
     for (const std::string& method : options.methods) {
-      contenders_.push_back({as_usage([&] { return make_culler(method, indexed); }), VisibleSet()});
       WalkRun run;
       run.method = method;
-      run.promise = find_algorithm(parse_method(method).name, Family::culler).promise;
+      {
+        const ThreadLimit one(1);  // then all that it allocates is counted
+        const std::size_t before = allocated_bytes();
+        contenders_.push_back({as_usage([&] { return make_culler(method, indexed); }), VisibleSet()});
+        const std::size_t after = allocated_bytes();
+        run.memory_bytes = after > before ? after - before : 0;
+      }
+      run.promise = contenders_.back().culler->approximate()
+                        ? Promise::approximate
+                        : find_algorithm(parse_method(method).name, Family::culler).promise;
       report.runs.push_back(std::move(run));
     }
   }

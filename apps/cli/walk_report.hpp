@@ -44,6 +44,7 @@ struct WalkRun {
   Promise promise = Promise::exact;
   std::vector<WalkAnswer> answers;  // parallel to WalkReport::views
   Counters counters;                // over all frames
+  std::size_t memory_bytes = 0;     // that the culler allocated; 0 where the allocator does not tell
 };
 
 /// A picture of a frame, for the report.
@@ -65,6 +66,7 @@ struct WalkReport {
   std::vector<WalkView> views;
   std::vector<WalkRun> runs;
   std::vector<WalkPicture> pictures;
+  std::string comparison;  // JSON of a comparison of the methods, for the page; empty for none
 };
 
 /// Sums over the frames of one run. An absent value could not be computed (no truth, no frames).

@@ -6,7 +6,12 @@
 #include "sightline/cull/frustum_hierarchical.hpp"
 #include "sightline/cull/frustum_linear.hpp"
 #include "sightline/cull/none.hpp"
+#include "sightline/cull/occlusion_hom.hpp"
+#include "sightline/cull/occlusion_horizon.hpp"
+#include "sightline/cull/occlusion_hzb.hpp"
+#include "sightline/cull/occlusion_map.hpp"
 #include "sightline/cull/occlusion_masked.hpp"
+#include "sightline/cull/occlusion_virtual.hpp"
 #include "sightline/scene/input_error.hpp"
 #include "sightline/surface/zbuffer.hpp"
 
@@ -25,6 +30,17 @@ constexpr std::array rows{
               "Clark 1976; Bishop 1998", "20.17 20.18", make_frustum_hierarchical},
     Algorithm{"occlusion_masked", Family::culler, cont, "what large objects hide, in a small conservative depth image",
               "Hasselgren 2016", "21.02 21.05 21.06 21.09", make_occlusion_masked},
+    Algorithm{"occlusion_horizon", Family::culler, cont,
+              "what the walls of a city hide, below a line over plan directions", "Wonka 1999; Downs 2001",
+              "21.03 21.05 21.11", make_occlusion_horizon},
+    Algorithm{"occlusion_hzb", Family::culler, cont, "object boxes coarse to fine against a z-pyramid that fills up",
+              "Greene 1993", "5.17 21.02 21.05-21.07 21.16 21.17", make_occlusion_hzb},
+    Algorithm{"occlusion_hom", Family::culler, cont, "selected occluders as an overlap pyramid and a depth estimate",
+              "Zhang 1997", "5.18 21.06 21.07", make_occlusion_hom},
+    Algorithm{"occlusion_map", Family::culler, cont, "queries in batches free of overlap, after an occupancy map",
+              "Staneker 2003", "22.11 22.12", make_occlusion_map},
+    Algorithm{"occlusion_virtual", Family::culler, Promise::approximate,
+              "boxes sampled sparsely against what was drawn", "Bartz 1999", "5.19 21.07", make_occlusion_virtual},
 
     // Visible surfaces.
     Algorithm{"zbuffer", Family::renderer, Promise::exact, "per pixel the nearest surface, every triangle drawn",

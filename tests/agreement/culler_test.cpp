@@ -23,6 +23,17 @@ std::vector<Contender> contenders() {
   for (const char* setting : {"resolution=0.25", "resolution=1:min_size=0:triangles=1000000", "resolution=0.11",
                               "resolution=2", "scalar=on:min_size=1"})
     all.push_back({std::string("occlusion_masked:") + setting, Promise::conservative_continuous});
+  for (const char* setting :
+       {"occlusion_masked:occluders=auto:min_size=1", "occlusion_masked:occluders=auto:auto_budget=100000:resolution=1",
+        "occlusion_horizon:columns=16", "occlusion_horizon:columns=4096", "occlusion_hzb:order=random:fan=3:min_size=0",
+        "occlusion_hzb:order=worst:resolution=0.25", "occlusion_hom:block=1:min_size=0:resolution=1",
+        "occlusion_hom:block=64:resolution=0.25", "occlusion_map:order=random:batch=3:min_size=0",
+        "occlusion_map:order=worst:resolution=1"})
+    all.push_back({setting, Promise::conservative_continuous});
+  all.push_back({"occlusion_virtual:step=1:min_size=0", Promise::conservative});
+  for (const char* setting : {"occlusion_hzb:pixels=30", "occlusion_hom:opacity=0.7:holes=9",
+                              "occlusion_horizon:occluders=boxes", "occlusion_virtual:step=64:pixels=2"})
+    all.push_back({setting, Promise::approximate});
   return all;
 }
 

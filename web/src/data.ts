@@ -57,6 +57,27 @@ export interface Picture {
   png: string;
 }
 
+/** A row of `sightline compare`. */
+export interface ComparedMethod {
+  method: string;
+  promise: string;
+  culled: number;
+  found: number | null;
+  missed: number;
+  false_visible: number;
+  lost_pixels: number;
+  cull_ms_median: number;
+  memory_bytes: number | null;
+  counters_per_frame?: Record<string, number>;
+  stages_ms: Record<'application' | 'geometry' | 'fill' | 'bus', number | null>;
+  limited_by: string;
+}
+
+export interface Comparison {
+  units: { ms_per_triangle: number; ms_per_pixel: number; ms_per_byte: number };
+  methods: ComparedMethod[];
+}
+
 interface RawWalk {
   schema?: string;
   size?: [number, number];
@@ -74,6 +95,7 @@ interface RawWalk {
     objects?: { bounds?: string };
     frames?: StoredFrame[];
     pictures?: Picture[];
+    comparison?: Comparison;
   };
 }
 
@@ -123,6 +145,7 @@ export class Walk {
   readonly version: string;
   readonly date: string;
   readonly pictures: Picture[];
+  readonly comparison: Comparison | null;
   readonly complaints: string[] = [];  // what is wrong with the data, in sentences
   private readonly stored: StoredFrame[][];  // per run, by frame
   private readonly with_states: StoredFrame[][];
@@ -142,6 +165,7 @@ export class Walk {
     this.version = report.version ?? '';
     this.date = (report.date ?? '').replace(/^(\d{4}-\d\d-\d\d)T(\d\d:\d\d).*Z$/, '$1 $2 UTC');
     this.pictures = (report.pictures ?? []).filter((picture) => picture.png);
+    this.comparison = report.comparison ?? null;
     this.bounds = this.read_bounds(report.objects?.bounds);
     this.object_count = raw.scene?.objects ?? (this.bounds ? this.bounds.length / 6 : 0);
     this.stored = this.runs.map((run, index) => this.stored_of(run, index, report.frames ?? []));

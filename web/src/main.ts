@@ -1,4 +1,5 @@
 // Puts the report page of `sightline walk --report` together from the data that stands in window.SIGHTLINE.
+import { comparison } from './comparison.ts';
 import { Walk } from './data.ts';
 import { element } from './dom.ts';
 import { frame_table } from './frame_table.ts';
@@ -37,6 +38,8 @@ function build(page: HTMLElement): void {
   });
   page.append(head(walk, store));
   if (walk.frame_count === 0) return;
+  const compared = comparison(walk.comparison);
+  if (compared) page.append(compared);
   page.append(space(walk, store), plots(walk, store), pictures(walk, store), frame_table(walk, store), foot(), transport(walk, store));
 }
 

@@ -9,6 +9,9 @@ struct Counters {
   std::uint64_t nodes_visited = 0;       // nodes of a space partition
   std::uint64_t boxes_tested = 0;        // bounds tested against the frustum
   std::uint64_t queries = 0;             // bounds tested for occlusion
+  std::uint64_t queries_saved = 0;       // bounds that a cheaper test found visible before a query
+  std::uint64_t query_batches = 0;       // groups of queries that wait for each other's drawing
+  std::uint64_t cells_tested = 0;        // cells of an image pyramid, columns or samples looked at by queries
   std::uint64_t occluders = 0;           // objects drawn as occluders
   std::uint64_t occluder_triangles = 0;  // triangles of those objects, before any culling
   std::uint64_t triangles_in = 0;        // triangles given to a renderer
@@ -22,6 +25,9 @@ struct Counters {
     f("nodes_visited", nodes_visited);
     f("boxes_tested", boxes_tested);
     f("queries", queries);
+    f("queries_saved", queries_saved);
+    f("query_batches", query_batches);
+    f("cells_tested", cells_tested);
     f("occluders", occluders);
     f("occluder_triangles", occluder_triangles);
     f("triangles_in", triangles_in);

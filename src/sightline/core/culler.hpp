@@ -20,6 +20,9 @@ class Culler {
   /// they were found; always a subset of the candidates. Adds to `counters`. The view must pass check_view.
   virtual void cull(const View& view, const VisibleSet& candidates, VisibleSet& visible, Counters& counters) = 0;
 
+  /// True if its parameters trade the promise of its row for speed: then it is to be judged as an approximate method.
+  [[nodiscard]] virtual bool approximate() const { return false; }
+
   /// Forgets everything learnt from earlier frames.
   virtual void reset() {}
 };

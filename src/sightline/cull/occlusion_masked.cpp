@@ -4,7 +4,9 @@
 #include <cmath>
 
 #include "sightline/parallel/parallel.hpp"
+#include "sightline/raster/auto_occluders.hpp"
 #include "sightline/raster/occlusion_buffer.hpp"
+#include "sightline/scene/input_error.hpp"
 
 namespace sightline {
 namespace {
@@ -17,6 +19,10 @@ class OcclusionMasked final : public Culler {
         config_(config),
         buffer_(config.scalar),
         meshes_(scene.scene.meshes().size()) {
+    if (config.automatic) {
+      prepare_automatic();
+      return;
+    }
     parallel_blocks(meshes_.size(), 4, [&](std::size_t begin, std::size_t end) {
       for (std::size_t i = begin; i < end; ++i) prepare(i);
     });
@@ -80,7 +86,8 @@ class OcclusionMasked final : public Culler {
         if (outside(frustum_, object.bounds, object_planes)) continue;
         const double size = size_of(object.bounds, eye, focal, view);
         if (size < config_.min_size) continue;
-        const auto triangles = static_cast<double>(scene_.meshes()[object.mesh].triangles.size());
+        const auto triangles = static_cast<double>(triangles_of(object.mesh));
+        if (config_.automatic && triangles == 0) continue;
         occluders_.push_back({id, static_cast<float>(size * size / (triangles + 30.0))});
       }
     }
@@ -107,6 +114,32 @@ class OcclusionMasked final : public Culler {
       meshes_[i] = make_occluder(mesh.positions, mesh.triangles);
   }
 
+  void prepare_automatic() {
+    AutoOccluderConfig config;
+    config.budget = static_cast<std::uint64_t>(config_.auto_budget);
+    const AutoOccluders automatic = make_auto_occluders(scene_, config);
+    solids_.resize(meshes_.size());
+    for (std::size_t i = 0; i < meshes_.size(); ++i) {
+      const AutoOccluder& occluder = automatic.meshes[i];
+      meshes_[i] = make_occluder(occluder.surface.positions, occluder.surface.triangles);
+      solids_[i] = make_occluder(occluder.solid.positions, occluder.solid.triangles);
+    }
+  }
+
+  /// What an object costs as an occluder.
+  [[nodiscard]] std::size_t triangles_of(MeshId mesh) const {
+    if (config_.automatic) return meshes_[mesh].triangle_count + solids_[mesh].triangle_count;
+    return scene_.meshes()[mesh].triangles.size();
+  }
+
+  /// Boxes inside a mesh hide only where its whole surface counts: none of it before the near plane.
+  static bool behind_near(const Aabb& box, const View& view) {
+    const glm::dvec3 direction = view_direction(view), lo(box.lo), hi(box.hi);
+    const double nearest =
+        glm::dot(direction, 0.5 * (lo + hi) - view.eye) - glm::dot(glm::abs(direction), 0.5 * (hi - lo));
+    return nearest > view.near + 1e-6 * (glm::length(lo) + glm::length(hi) + glm::length(view.eye));
+  }
+
   void draw_occluders(const View& view, Counters& counters) {
     const auto scaled = [&](int pixels) {
       return std::clamp(static_cast<int>(std::lround(pixels * config_.resolution)), 1, 16384);
@@ -115,10 +148,12 @@ class OcclusionMasked final : public Culler {
     std::int64_t budget = config_.triangles;
     for (const Occluder& occluder : occluders_) {
       const Object& object = scene_.objects()[occluder.id];
-      const auto triangles = static_cast<std::int64_t>(scene_.meshes()[object.mesh].triangles.size());
+      const auto triangles = static_cast<std::int64_t>(triangles_of(object.mesh));
       if (triangles > budget || !buffer_.may_be_seen(object.bounds)) continue;
       budget -= triangles;
       buffer_.add_occluder(meshes_[object.mesh], object.transform);
+      if (config_.automatic && solids_[object.mesh].triangle_count > 0 && behind_near(object.bounds, view))
+        buffer_.add_occluder(solids_[object.mesh], object.transform);
     }
     buffer_.finish();
     counters.occluders += buffer_.counts().occluders;
@@ -168,6 +203,7 @@ class OcclusionMasked final : public Culler {
   OcclusionMaskedConfig config_;
   OcclusionBuffer buffer_;
   std::vector<OccluderMesh> meshes_;  // by mesh id; empty where it can never fit the budget
+  std::vector<OccluderMesh> solids_;  // by mesh id: boxes inside of it; automatic occluders only
   Frustum frustum_;
   std::vector<Visit> stack_;
   std::vector<Occluder> occluders_;
@@ -181,7 +217,13 @@ std::unique_ptr<Culler> make_occlusion_masked(const IndexedScene& scene, Paramet
   parameters.read("triangles", config.triangles, 0, 1 << 30);
   parameters.read("min_size", config.min_size, 0.0, 1e6);
   parameters.read("scalar", config.scalar);
+  std::string occluders = "all";
+  parameters.read("occluders", occluders);
+  parameters.read("auto_budget", config.auto_budget, 0, 1 << 30);
   parameters.finish();
+  if (occluders != "all" && occluders != "auto")
+    throw InputError("", "occlusion_masked: occluders", "must be all or auto, not '" + occluders + "'");
+  config.automatic = occluders == "auto";
   return std::make_unique<OcclusionMasked>(scene, config);
 }
 

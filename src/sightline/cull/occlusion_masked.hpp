@@ -14,6 +14,8 @@ struct OcclusionMaskedConfig {
   double resolution = 0.5;  // buffer pixels per view pixel along each axis, 1/16 to 2
   int triangles = 60000;    // budget of occluder triangles per frame
   double min_size = 12;     // view pixels: objects whose sphere looks smaller hide too little to be drawn
+  bool automatic = false;   // draw the meshes' automatic occluders (raster/auto_occluders.hpp) in their place
+  int auto_budget = 0;      // triangles of those over the whole scene; 0: a tenth of the scene's
   bool scalar = false;      // run the one-lane reference loops; the answer is the same
 };
 

@@ -1,0 +1,95 @@
+// sightline compare: every culler on the same frames, each checked, with what it finds, loses and costs.
+#include <fmt/format.h>
+
+#include <set>
+
+#include "camera.hpp"
+#include "comparison.hpp"
+#include "interrupt.hpp"
+#include "json_output.hpp"
+#include "report.hpp"
+#include "scene_argument.hpp"
+#include "sightline/registry.hpp"
+#include "verbs.hpp"
+#include "walk_loop.hpp"
+
+namespace sightline::cli {
+namespace {
+
+/// "all" stands for every culler of the registry, also among others.
+std::vector<std::string> methods_of(const CompareOptions& options) {
+  std::vector<std::string> methods;
+  std::set<std::string> given;
+  const auto add = [&](const std::string& method) {
+    if (given.insert(method).second) methods.push_back(method);
+  };
+  for (const std::string& method : options.methods) {
+    if (method == "all") {
+      for (const Algorithm& row : algorithms())
+        if (row.family == Family::culler) add(std::string(row.name));
+      continue;
+    }
+    as_usage([&] { (void)find_algorithm(parse_method(method).name, Family::culler); });
+    add(method);
+  }
+  return methods;
+}
+
+WalkOptions walk_of(const CompareOptions& options) {
+  WalkOptions walk;
+  walk.common = options.common;
+  walk.scene = options.scene;
+  walk.methods = methods_of(options);
+  walk.path = options.path;
+  walk.camera = options.camera;
+  walk.samples = options.samples;
+  walk.report = options.report;
+  walk.ids = true;
+  return walk;
+}
+
+}  // namespace
+
+int run_compare(const CompareOptions& options) {
+  const WalkOptions walk = walk_of(options);
+  catch_interrupts();
+  JsonOutput output(options.common);
+  if (!options.report.empty()) prepare_report(options.report);
+
+  const LoadedScene loaded = open_scene(options.scene, options.common);
+  const CameraPath path = open_path(options.path, options.camera, loaded.scene, options.common.seed);
+  const IndexedScene indexed = index_scene(loaded.scene);
+  const Oracle oracle(loaded.scene);
+
+  WalkReport report;
+  report.scene_name = options.scene;
+  report.command = options.common.command;
+  report.scene = &loaded.scene;
+  report.width = options.camera.width;
+  report.height = options.camera.height;
+  report.samples = options.samples;
+  report.verified = true;
+  walk_frames(walk, indexed, path.views, &oracle, report);
+
+  const Comparison comparison = compare_walk(report);
+  const Json compared = comparison_json(comparison);
+  if (!options.common.json_to_stdout() && !options.common.quiet)
+    fmt::print("{}: {} objects, {} triangles, {} frames\n{}", options.scene, loaded.scene.objects().size(),
+               loaded.scene.triangle_count(), report.views.size(), comparison_table(comparison));
+  Json json{{"schema", "sightline.compare/1"},
+            {"scene", options.scene},
+            {"objects", loaded.scene.objects().size()},
+            {"triangles", loaded.scene.triangle_count()},
+            {"frames", report.views.size()},
+            {"interrupted", report.interrupted}};
+  json.update(compared);
+  output.write(json);
+  if (!options.report.empty()) {
+    report.comparison = compared.dump(-1, ' ', false, Json::error_handler_t::replace);
+    report.pictures = draw_pictures(report, oracle);
+    write_report(report, options.report);
+  }
+  return exit_code(report);
+}
+
+}  // namespace sightline::cli

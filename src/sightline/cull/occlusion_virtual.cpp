@@ -1,0 +1,91 @@
+#include "sightline/cull/occlusion_virtual.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "sightline/cull/occlusion_stage.hpp"
+
+namespace sightline {
+namespace {
+
+/// Where a ray enters a box, as its parameter; infinity if it does not. Slab test (Kay and Kajiya 1986); a ray within a
+/// slab's plane counts as inside of it. The box is grown by what float bounds may be off.
+double enter(const PixelRay& ray, const Aabb& box) {
+  double from = ray.t_near, to = ray.t_far;
+  for (int axis = 0; axis < 3; ++axis) {
+    const double slack = 1e-6 * (std::abs(ray.origin[axis]) + std::abs(static_cast<double>(box.hi[axis])) +
+                                 std::abs(static_cast<double>(box.lo[axis])));
+    const double lo = static_cast<double>(box.lo[axis]) - slack - ray.origin[axis];
+    const double hi = static_cast<double>(box.hi[axis]) + slack - ray.origin[axis];
+    const double d = ray.direction[axis];
+    if (d == 0.0) {
+      if (lo > 0.0 || hi < 0.0) return std::numeric_limits<double>::infinity();
+      continue;
+    }
+    from = std::max(from, std::min(lo / d, hi / d));
+    to = std::min(to, std::max(lo / d, hi / d));
+  }
+  return from <= to ? from : std::numeric_limits<double>::infinity();
+}
+
+class OcclusionVirtual final : public Culler {
+ public:
+  OcclusionVirtual(const IndexedScene& scene, const OcclusionStageConfig& config, int step, int pixels)
+      : stage_(scene, config), step_(step), pixels_(pixels) {}
+
+  void cull(const View& view, const VisibleSet& candidates, VisibleSet& visible, Counters& counters) override {
+    visible.reset(candidates.universe());
+    stage_.begin(view, candidates, counters);
+    for (const StagedObject& object : stage_.objects()) {
+      if (object.footprint.place == BoxPlace::rectangle) {
+        ++counters.queries;
+        if (!passes(view, object, counters)) continue;
+      }
+      visible.insert(object.id);
+      stage_.draw(object);
+    }
+    stage_.end(counters);
+  }
+
+  [[nodiscard]] bool approximate() const override { return true; }
+
+ private:
+  /// Samples stand at fixed pixels of the image, as in the paper, so that neighbouring boxes agree; a rectangle that
+  /// lies between them gets its own middle.
+  bool passes(const View& view, const StagedObject& object, Counters& counters) const {
+    const Aabb& box = stage_.scene().objects()[object.id].bounds;
+    const BoxFootprint& f = object.footprint;
+    int passed = 0;
+    const auto sample = [&](int x, int y) {
+      ++counters.cells_tested;
+      const double t = enter(pixel_ray(view, x + 0.5, y + 0.5), box);
+      if (std::isfinite(t) && !behind(t, stage_.buffer().hidden_beyond(x, y))) ++passed;
+      return passed > pixels_;
+    };
+    const int left = (f.x0 + step_ - 1) / step_ * step_, top = (f.y0 + step_ - 1) / step_ * step_;
+    if (left >= f.x1 || top >= f.y1) return sample((f.x0 + f.x1) / 2, (f.y0 + f.y1) / 2);
+    for (int y = top; y < f.y1; y += step_)
+      for (int x = left; x < f.x1; x += step_)
+        if (sample(x, y)) return true;
+    return false;
+  }
+
+  OcclusionStage stage_;
+  int step_, pixels_;
+};
+
+}  // namespace
+
+std::unique_ptr<Culler> make_occlusion_virtual(const IndexedScene& scene, ParameterReader& parameters) {
+  OcclusionStageConfig config;
+  int step = 4, pixels = 0;
+  read_stage(parameters, config);
+  config.resolution = 1.0;  // samples are the view's own pixel centres
+  parameters.read("step", step, 1, 64);
+  parameters.read("pixels", pixels, 0, 1000000);
+  parameters.finish();
+  return std::make_unique<OcclusionVirtual>(scene, config, step, pixels);
+}
+
+}  // namespace sightline
