@@ -15,7 +15,7 @@ struct Corner {
 
 /// Six planes: near, far, and the guard band left, right, above, below.
 double distance(const Corner& p, int plane, const MeshTransform& t) {
-  const double guard = static_cast<double>(guard_band) * (t.perspective ? p.w : 1.0);
+  const double guard = static_cast<double>(t.guard) * (t.perspective ? p.w : 1.0);
   switch (plane) {
     case 0:
       return p.w - static_cast<double>(t.near);

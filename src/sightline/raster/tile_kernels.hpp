@@ -27,12 +27,12 @@ struct MeshTransform {
   float to_x[3], to_y[3], to_w[3];  // pixels times distance, pixels times distance (down), distance
   float centre_x, centre_y;         // pixels
   float near, far;                  // metres
+  float guard;  // pixels from the image\'s centre: corners farther out would lose digits, so edges are cut there
   bool perspective;
 };
 
 /// Why a vertex needs the slow path.
 enum VertexCode : std::uint32_t { before_near = 1, beyond_far = 2, outside_guard = 4 };
-inline constexpr float guard_band = 16384.0f;  // pixels from the image's centre
 
 inline constexpr std::size_t vertex_room = cluster_vertices + cluster_padding;
 struct alignas(64) VertexBuffer {

@@ -55,7 +55,7 @@ HWY_INLINE std::uint32_t bits_of(M mask) {
 
 // ---- vertices
 
-std::uint32_t transform(const float* x, const float* y, const float* z, std::size_t count, const MeshTransform& t,
+inline std::uint32_t transform(const float* x, const float* y, const float* z, std::size_t count, const MeshTransform& t,
                         VertexBuffer& out) {
   const TF d;
   const TI di;
@@ -77,8 +77,8 @@ std::uint32_t transform(const float* x, const float* y, const float* z, std::siz
     const VF off_x = t.perspective ? hn::Mul(vx, nearness) : vx, off_y = t.perspective ? hn::Mul(vy, nearness) : vy;
     VI code = hn::IfThenElseZero(hn::RebindMask(di, hn::Lt(w, hn::Set(d, t.near))), hn::Set(di, before_near));
     code = hn::Or(code, hn::IfThenElseZero(hn::RebindMask(di, hn::Gt(w, hn::Set(d, t.far))), hn::Set(di, beyond_far)));
-    const auto in_guard = hn::And(hn::Le(hn::Abs(off_x), hn::Set(d, guard_band)),
-                                  hn::Le(hn::Abs(off_y), hn::Set(d, guard_band)));  // false for what is no number
+    const auto in_guard = hn::And(hn::Le(hn::Abs(off_x), hn::Set(d, t.guard)),
+                                  hn::Le(hn::Abs(off_y), hn::Set(d, t.guard)));  // false for what is no number
     code = hn::Or(code, hn::IfThenZeroElse(hn::RebindMask(di, in_guard), hn::Set(di, outside_guard)));
     all = hn::Or(all, code);
     hn::Store(hn::Add(hn::Set(d, t.centre_x), off_x), d, out.x + i);
@@ -438,7 +438,7 @@ HWY_NOINLINE void fill_large(const Batch& b, std::size_t k, const Writer& w) {
 }
 
 template <bool Ids, bool Hierarchical>
-void draw_all(const VertexBuffer& v, const std::uint8_t* const corner[3], std::size_t count, std::uint32_t id,
+inline void draw_all(const VertexBuffer& v, const std::uint8_t* const corner[3], std::size_t count, std::uint32_t id,
               std::uint32_t id_step, const DrawFlags& flags, ScreenTile& tile, TileCounts& counts) {
   Batch b;
   const std::size_t n = lanes();
@@ -459,7 +459,7 @@ void draw_all(const VertexBuffer& v, const std::uint8_t* const corner[3], std::s
   }
 }
 
-void draw(const VertexBuffer& v, const std::uint8_t* a, const std::uint8_t* b, const std::uint8_t* c, std::size_t count,
+inline void draw(const VertexBuffer& v, const std::uint8_t* a, const std::uint8_t* b, const std::uint8_t* c, std::size_t count,
           std::uint32_t id, std::uint32_t id_step, const DrawFlags& flags, ScreenTile& tile, TileCounts& counts) {
   const std::uint8_t* const corner[3] = {a, b, c};
   if (flags.ids && flags.hierarchical) return draw_all<true, true>(v, corner, count, id, id_step, flags, tile, counts);
@@ -470,7 +470,7 @@ void draw(const VertexBuffer& v, const std::uint8_t* a, const std::uint8_t* b, c
 
 // ---- bounds
 
-std::size_t cull(const ClusterMesh& mesh, const MeshPlane* planes, std::size_t plane_count, std::uint32_t* out) {
+inline std::size_t cull(const ClusterMesh& mesh, const MeshPlane* planes, std::size_t plane_count, std::uint32_t* out) {
   const TF d;
   std::size_t kept = 0;
   const std::size_t count = mesh.clusters.size();
@@ -492,7 +492,7 @@ std::size_t cull(const ClusterMesh& mesh, const MeshPlane* planes, std::size_t p
   return kept;
 }
 
-BoxImage project(const float* low, const float* high, const BoxTransform& t) {
+inline BoxImage project(const float* low, const float* high, const BoxTransform& t) {
   const TF d;
   alignas(64) float corner[3][8];
   for (std::size_t i = 0; i < 8; ++i)
@@ -518,9 +518,9 @@ BoxImage project(const float* low, const float* high, const BoxTransform& t) {
   BoxImage image{0, 0, 0, 0, 0, false};
   image.whole = t.perspective && !(w > 0.5f * t.near);
   const float scale = t.perspective ? 1.0f / std::max(w, 1e-30f) : 1.0f;
-  // A rounding of w moves x by x / w of it; positions beyond the guard band do not matter.
+  // A rounding of w moves x by x / w of it; positions far outside of the image do not matter.
   const float x0 = least(min_x), x1 = most(max_x), y0 = least(min_y), y1 = most(max_y);
-  const auto reach = [](float a, float b) { return std::min(std::max(std::abs(a), std::abs(b)), 4.0f * guard_band); };
+  const auto reach = [](float a, float b) { return std::min(std::max(std::abs(a), std::abs(b)), 65536.0f); };
   const float tilt = t.perspective ? t.slack_w * scale : 0.0f;
   const float slack_x = t.slack_x * scale + reach(x0, x1) * tilt + 1.0f;
   const float slack_y = t.slack_y * scale + reach(y0, y1) * tilt + 1.0f;
@@ -532,7 +532,7 @@ BoxImage project(const float* low, const float* high, const BoxTransform& t) {
   return image;
 }
 
-bool hidden(ScreenTile& tile, const BoxImage& box) {
+inline bool hidden(ScreenTile& tile, const BoxImage& box) {
   if (box.whole) return false;
   const auto cut = [](float v, int low, int high) {
     return static_cast<int>(std::clamp(v, static_cast<float>(low), static_cast<float>(high)));

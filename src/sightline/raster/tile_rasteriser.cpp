@@ -23,7 +23,7 @@ struct BinEntry {
 struct Camera {
   glm::dvec3 rows[3];  // x and y in pixels times distance (y down), distance
   glm::dvec3 eye;
-  double centre_x, centre_y, near, far;
+  double centre_x, centre_y, near, far, guard;
   bool perspective;
 
   explicit Camera(const View& view) : eye(view.eye), near(view.near), far(view.far) {
@@ -39,6 +39,7 @@ struct Camera {
     rows[2] = -axes[2];
     centre_x = 0.5 * view.width;
     centre_y = 0.5 * view.height;
+    guard = std::max(view.width, view.height);
   }
 
   [[nodiscard]] MeshTransform mesh_transform(const Affine& to_world) const {
@@ -56,6 +57,7 @@ struct Camera {
     t.centre_y = static_cast<float>(centre_y);
     t.near = static_cast<float>(near);
     t.far = static_cast<float>(far);
+    t.guard = static_cast<float>(guard);
     t.perspective = perspective;
     return t;
   }
