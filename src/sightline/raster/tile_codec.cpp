@@ -175,9 +175,14 @@ std::size_t whole_bytes(std::size_t bits) { return (bits + 7) / 8; }
 
 }  // namespace
 
+PackedTile raw_tile(const DepthTile& tile) {
+  PackedTile raw{};
+  encode_raw(tile, raw);
+  return raw;
+}
+
 PackedTile encode_tile(const DepthTile& tile) {
-  PackedTile best{}, trial{};
-  encode_raw(tile, best);
+  PackedTile best = raw_tile(tile), trial{};
   const auto keep_smaller = [&](bool fits) {
     if (fits && trial.size < best.size) best = trial;
   };

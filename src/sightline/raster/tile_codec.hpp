@@ -23,6 +23,8 @@ struct PackedTile {
 
 /// The smallest of the modes. decode(encode(t)) == t for every t.
 PackedTile encode_tile(const DepthTile& tile);
+/// Stored as it is.
+PackedTile raw_tile(const DepthTile& tile);
 void decode_tile(const PackedTile& packed, DepthTile& tile);
 /// The same without SIMD: the reference.
 void decode_tile_scalar(const PackedTile& packed, DepthTile& tile);

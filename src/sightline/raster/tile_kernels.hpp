@@ -27,7 +27,7 @@ struct MeshTransform {
   float to_x[3], to_y[3], to_w[3];  // pixels times distance, pixels times distance (down), distance
   float centre_x, centre_y;         // pixels
   float near, far;                  // metres
-  float guard;  // pixels from the image\'s centre: corners farther out would lose digits, so edges are cut there
+  float guard;  // pixels from the image's centre: corners farther out would lose digits, so edges are cut there
   bool perspective;
 };
 

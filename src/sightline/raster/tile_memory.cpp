@@ -40,7 +40,7 @@ void TileMemory::clear() {
     status_[i] = TileStatus::cleared;
     if (features_.fast_clear) continue;
     status_[i] = TileStatus::uncompressed;
-    memory_[i] = encode_tile(cleared_tile());
+    memory_[i] = raw_tile(cleared_tile());
     traffic_.cleared += raw_tile_bytes;
   }
 }
@@ -66,8 +66,8 @@ DepthTile TileMemory::fetch(std::size_t index) {
 
 void TileMemory::store(std::size_t index, const DepthTile& tile) {
   farthest_[index] = *std::max_element(tile.begin(), tile.end());
-  memory_[index] = encode_tile(tile);  // held in packed form either way; the status says what counts
-  const bool gains = features_.compression && 4 * memory_[index].size <= 3 * raw_tile_bytes;
+  memory_[index] = features_.compression ? encode_tile(tile) : raw_tile(tile);
+  const bool gains = 4 * memory_[index].size <= 3 * raw_tile_bytes;  // else held packed, counted whole
   status_[index] = gains ? TileStatus::compressed : TileStatus::uncompressed;
   ++traffic_.stored[static_cast<std::size_t>(status_[index])];
   traffic_.written += stored_bytes(static_cast<int>(index));

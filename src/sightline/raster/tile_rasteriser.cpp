@@ -403,6 +403,7 @@ void TileRasteriser::draw(const View& view, std::span<const ObjectId> objects, c
   frame.object.resize(settings.ids ? pixels : 0);
   frame.triangle.resize(settings.ids ? pixels : 0);
   frame.colour.clear();
+  frame.stencil.clear();
   if (settings.count_writes) stats.writes.resize(pixels);
   const int fine_across = (view.width + depth_tile - 1) / depth_tile;
   if (settings.hierarchical)

@@ -11,7 +11,10 @@ class TiledZBuffer final : public Renderer {
 
   void draw(const View& view, const VisibleSet& visible, Frame& frame, Counters& counters) override {
     raster::TileStats stats;
+    stats.writes.swap(frame.writes);
     rasteriser_.draw(view, visible.order(), settings_, frame, stats);
+    frame.writes.clear();
+    if (settings_.count_writes) frame.writes.swap(stats.writes);
     counters.triangles_in += stats.triangles_in;
     counters.triangles_filled += stats.work.triangles;
     counters.pixels_tested += stats.work.tested;
@@ -27,6 +30,7 @@ class TiledZBuffer final : public Renderer {
 std::unique_ptr<Renderer> make(const IndexedScene& scene, ParameterReader& parameters, bool hierarchical) {
   raster::TileSettings settings;
   settings.hierarchical = hierarchical;
+  parameters.read("overdraw", settings.count_writes);
   parameters.read("scalar", settings.scalar);
   parameters.finish();
   return std::make_unique<TiledZBuffer>(scene.scene, settings);
