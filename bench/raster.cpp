@@ -1,7 +1,7 @@
 // bench_raster: the exact rasterisers beside OpenGL on llvmpipe (skipped loudly where there is no EGL), one core, then
 // two. Every picture is compared with its reference before anything is timed; exits 1 if one is wrong. Tasks: a million
 // small triangles, layers that fill the image, 555 million instanced triangles, decoding of compressed depth tiles.
-// Contenders are interleaved; figures are medians. --json FILE is not needed: all goes to standard output as a table.
+// Contenders are interleaved; figures are medians. bench_raster triangles|layers|compression|instances runs one task.
 #include <algorithm>
 #include <chrono>
 #include <cmath>

@@ -16,16 +16,22 @@ void add_render(CLI::App& app, RenderOptions& options) {
   app.add_option("--method", options.method, "a renderer, see sightline list; or oracle")
       ->type_name("NAME")
       ->capture_default_str();
-  add_text(
-      app, "--show", "depth|object|normal|shaded", "what the picture shows", "shaded",
-      [&options](const std::string& text) {
-        const std::array<std::pair<std::string_view, Show>, 4> kinds{
-            {{"depth", Show::depth}, {"object", Show::object}, {"normal", Show::normal}, {"shaded", Show::shaded}}};
-        const auto kind = std::find_if(kinds.begin(), kinds.end(), [&](const auto& k) { return k.first == text; });
-        if (kind == kinds.end())
-          throw UsageError(fmt::format("--show: '{}' is not depth, object, normal or shaded", text));
-        options.show = kind->second;
-      });
+  add_text(app, "--show", "colour|depth|object|normal|overdraw|tiles|stencil", "what the picture shows", "shaded",
+           [&options](const std::string& text) {
+             const std::array<std::pair<std::string_view, Show>, 8> kinds{{{"depth", Show::depth},
+                                                                           {"object", Show::object},
+                                                                           {"normal", Show::normal},
+                                                                           {"shaded", Show::shaded},
+                                                                           {"colour", Show::shaded},
+                                                                           {"overdraw", Show::overdraw},
+                                                                           {"tiles", Show::tiles},
+                                                                           {"stencil", Show::stencil}}};
+             const auto kind = std::find_if(kinds.begin(), kinds.end(), [&](const auto& k) { return k.first == text; });
+             if (kind == kinds.end())
+               throw UsageError(fmt::format(
+                   "--show: '{}' is not colour, depth, object, normal, shaded, overdraw, tiles or stencil", text));
+             options.show = kind->second;
+           });
   CLI::Option* eye = add_text(app, "--eye", "X,Y,Z", "where the eye is, metres", "",
                               [&options](const std::string& text) { options.eye = parse_vector("--eye", text); });
   add_text(app, "--look", "DX,DY,DZ", "where it looks", "0,0,-1", [&options](const std::string& text) {

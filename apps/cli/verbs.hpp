@@ -10,5 +10,9 @@ int run_list(const ListOptions& options);
 int run_generate(const GenerateOptions& options);
 int run_walk(const WalkOptions& options);
 int run_render(const RenderOptions& options);
+int run_raster_report(const RasterReportOptions& options);
+
+/// The view that --eye and --look, or --path and --frame, ask for. Throws UsageError.
+View view_of(const RenderOptions& options, const Scene& scene);
 
 }  // namespace sightline::cli
