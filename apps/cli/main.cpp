@@ -25,6 +25,7 @@ Verb compare_command(CLI::App& app);
 Verb explain_command(CLI::App& app);
 Verb view_command(CLI::App& app);
 Verb render_command(CLI::App& app);
+Verb raster_report_command(CLI::App& app);
 Verb occluders_command(CLI::App& app);
 Verb completion_command(CLI::App& app);
 Verb manual_command(CLI::App& app);
@@ -32,8 +33,8 @@ Verb manual_command(CLI::App& app);
 namespace {
 
 constexpr Verb (*commands[])(CLI::App&) = {
-    info_command, list_command,   generate_command,  walk_command,       compare_command, explain_command,
-    view_command, render_command, occluders_command, completion_command, manual_command,
+    info_command, list_command,   generate_command,      walk_command,      compare_command,    explain_command,
+    view_command, render_command, raster_report_command, occluders_command, completion_command, manual_command,
 };
 
 /// CLI11 names neither a verb that it does not know nor those that there are.

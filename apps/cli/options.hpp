@@ -159,4 +159,11 @@ struct OccludersOptions {
   CameraOptions camera;
 };
 
+struct RasterReportOptions {
+  CommonOptions common;
+  RenderOptions render;  // scene and view
+  int instances = 36;    // per axis, of the built-in scene of instances; 0 leaves it out
+  std::string output;    // folder for plots and pictures, empty for none
+};
+
 }  // namespace sightline::cli

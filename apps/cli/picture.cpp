@@ -6,6 +6,8 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "heat_picture.hpp"
+
 namespace sightline::cli {
 namespace {
 
@@ -72,6 +74,11 @@ glm::vec3 towards_eye(const View& view, int x, int y) {
 }  // namespace
 
 Picture paint(const Scene& scene, const View& view, const Frame& frame, Show show) {
+  if (show == Show::overdraw)
+    return paint_counts(frame.width, frame.height, std::span<const std::uint32_t>(frame.writes), most_layers_shown);
+  if (show == Show::stencil)
+    return paint_counts(frame.width, frame.height, std::span<const std::uint8_t>(frame.stencil), most_layers_shown);
+  if (show == Show::tiles) return paint_tiles(view, frame);
   Picture picture{frame.width, frame.height, {}};
   picture.rgb.reserve(frame.object.size() * 3);
   const DepthRange range = depth_range(frame);

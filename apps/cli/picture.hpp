@@ -12,10 +12,13 @@ namespace sightline::cli {
 
 /// What of a frame a picture shows.
 enum class Show {
-  shaded,  // lit from the eye and from above
-  normal,  // the world-space normal that faces the eye, as red, green, blue
-  object,  // one colour for each object
-  depth    // near is bright, logarithmic between the nearest and the farthest surface
+  shaded,    // lit from the eye and from above
+  normal,    // the world-space normal that faces the eye, as red, green, blue
+  object,    // one colour for each object
+  depth,     // near is bright, logarithmic between the nearest and the farthest surface
+  overdraw,  // how often each pixel was written; needs Frame::writes
+  tiles,     // how the 8 x 8 depth tiles would lie in the memory of a hierarchical z-buffer
+  stencil    // the stencil buffer as heat; needs Frame::stencil
 };
 
 /// Rows from the top, three bytes a pixel.

@@ -8,6 +8,7 @@
 #include "picture.hpp"
 #include "scene_argument.hpp"
 #include "sightline/oracle/oracle.hpp"
+#include "sightline/raster/scene_draw.hpp"
 #include "sightline/registry.hpp"
 #include "verbs.hpp"
 
@@ -17,9 +18,45 @@ namespace {
 constexpr std::string_view oracle_name = "oracle";
 
 void check_method(const RenderOptions& options) {
-  if (options.method == oracle_name) return;
+  if (options.method == oracle_name) {
+    if (options.show == Show::overdraw) throw UsageError("--show overdraw: the oracle writes no pixel twice");
+    return;
+  }
   as_usage([&] { (void)find_algorithm(parse_method(options.method).name, Family::renderer); });
 }
+
+/// The layers over each pixel, counted by the stencil buffer: every fragment increments, nothing is tested.
+void count_layers(const Scene& scene, const View& view, Frame& frame) {
+  raster::SceneDraw what;
+  what.state.depth.enabled = false;
+  what.state.color_mask = {false, false, false, false};
+  what.state.stencil.enabled = true;
+  what.state.stencil.front.zpass = what.state.stencil.back.zpass = raster::StencilOp::incr;
+  raster::Target target(view.width, view.height);
+  raster::DrawCounts counts;
+  raster::draw_scene(scene, view, VisibleSet::all(scene.objects().size()).order(), what, target, counts);
+  frame.stencil = target.stencil;
+}
+
+}  // namespace
+
+View view_of(const RenderOptions& options, const Scene& scene) {
+  if (!options.eye) {
+    const CameraPath path = open_path(options.path, options.camera, scene, options.common.seed);
+    if (static_cast<std::size_t>(options.frame) >= path.views.size())
+      throw UsageError(fmt::format("--frame: {} is beyond the last frame, {}", options.frame, path.views.size() - 1));
+    return path.views[static_cast<std::size_t>(options.frame)];
+  }
+  const View oriented = look_along(*options.eye, options.look);
+  View view = prototype_view(options.camera, scene);
+  view.eye = oriented.eye;
+  view.orientation = oriented.orientation;
+  contain_scene(view, options.camera, scene);
+  as_usage([&] { check_view(view); });
+  return view;
+}
+
+namespace {
 
 /// Draws all objects; returns what the work was.
 Counters draw(const RenderOptions& options, const Scene& scene, const View& view, Frame& frame) {
@@ -29,7 +66,8 @@ Counters draw(const RenderOptions& options, const Scene& scene, const View& view
     return counters;
   }
   const IndexedScene indexed = index_scene(scene);
-  const auto renderer = as_usage([&] { return make_renderer(options.method, indexed); });
+  const std::string method = options.method + (options.show == Show::overdraw ? ":overdraw=on" : "");
+  const auto renderer = as_usage([&] { return make_renderer(method, indexed); });
   renderer->draw(view, VisibleSet::all(scene.objects().size()), frame, counters);
   return counters;
 }
@@ -68,6 +106,7 @@ int run_render(const RenderOptions& options) {
   Frame frame;
   Progress progress("render", 1, options.common.quiet);
   const Counters counters = draw(options, loaded.scene, view, frame);
+  if (options.show == Show::stencil) count_layers(loaded.scene, view, frame);
   picture.write(encode_png(paint(loaded.scene, view, frame, options.show)));
   picture.commit();
   progress.show(1);

@@ -14,6 +14,7 @@
 #include "sightline/cull/occlusion_virtual.hpp"
 #include "sightline/scene/input_error.hpp"
 #include "sightline/surface/zbuffer.hpp"
+#include "sightline/surface/zbuffer_tiled.hpp"
 
 namespace sightline {
 namespace {
@@ -45,6 +46,10 @@ constexpr std::array rows{
     // Visible surfaces.
     Algorithm{"zbuffer", Family::renderer, Promise::exact, "per pixel the nearest surface, every triangle drawn",
               "Strasser 1974; Catmull 1974", "3.01-3.05 3.11", nullptr, make_zbuffer},
+    Algorithm{"zbuffer_tiled", Family::renderer, Promise::exact, "the same, fast: screen tiles, SIMD loops, threads",
+              "Strasser 1974; Catmull 1974", "3.01-3.05 3.14", nullptr, make_zbuffer_tiled},
+    Algorithm{"hzb", Family::renderer, Promise::exact, "front to back, what tiles of the depth image hide left out",
+              "Greene 1993", "5.01-5.04 5.07 5.10-5.12 5.17", nullptr, make_hzb},
 };
 
 }  // namespace

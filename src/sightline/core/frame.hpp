@@ -1,4 +1,5 @@
-// The one image type. Row 0 is the top row; every plane has width * height entries, colour may be empty.
+// The one image type. Row 0 is the top row; every plane has width * height entries, colour and the planes after it may
+// be empty.
 #pragma once
 
 #include <cstdint>
@@ -19,6 +20,10 @@ struct Frame {
   std::vector<std::uint32_t> triangle;
   /// 0xAABBGGRR (bytes r, g, b, a in memory). Empty where the renderer does not shade.
   std::vector<std::uint32_t> colour;
+  /// Empty where the renderer has no stencil buffer.
+  std::vector<std::uint8_t> stencil;
+  /// How often each pixel was written (checklist 6.07). Empty unless the renderer was asked to count.
+  std::vector<std::uint32_t> writes;
 
   /// Sets the size and clears to the background.
   void clear(int new_width, int new_height) {
@@ -29,6 +34,8 @@ struct Frame {
     object.assign(pixels, no_object);
     triangle.assign(pixels, 0);
     colour.clear();
+    stencil.clear();
+    writes.clear();
   }
   [[nodiscard]] std::size_t index(int x, int y) const {
     return static_cast<std::size_t>(y) * static_cast<std::size_t>(width) + static_cast<std::size_t>(x);

@@ -30,10 +30,11 @@ double shared_edge(const Corner& a, const Corner& b, double x, double y) {
 
 class ZBuffer final : public Renderer {
  public:
-  explicit ZBuffer(const Scene& scene) : scene_(scene) {}
+  ZBuffer(const Scene& scene, bool overdraw) : scene_(scene), overdraw_(overdraw) {}
 
   void draw(const View& view, const VisibleSet& visible, Frame& frame, Counters& counters) override {
     frame.clear(view.width, view.height);
+    if (overdraw_) frame.writes.assign(frame.depth.size(), 0);
     perspective_ = view.projection == Projection::perspective;
     const glm::dmat4 to_view = view_matrix(view);
     const double aspect = static_cast<double>(view.width) / view.height;
@@ -138,12 +139,14 @@ class ZBuffer final : public Renderer {
         depth == frame.depth[at] && (id < frame.object[at] || (id == frame.object[at] && t < frame.triangle[at]));
     if (!(depth < frame.depth[at]) && !tie) return;
     ++counters.pixels_written;
+    if (overdraw_) ++frame.writes[at];
     frame.depth[at] = depth;
     frame.object[at] = id;
     frame.triangle[at] = t;
   }
 
   const Scene& scene_;
+  bool overdraw_;
   bool perspective_ = true;
   double scale_x_ = 1.0, scale_y_ = 1.0;
   glm::dvec2 centre_{0.0};
@@ -153,8 +156,10 @@ class ZBuffer final : public Renderer {
 }  // namespace
 
 std::unique_ptr<Renderer> make_zbuffer(const IndexedScene& scene, ParameterReader& parameters) {
+  bool overdraw = false;
+  parameters.read("overdraw", overdraw);
   parameters.finish();
-  return std::make_unique<ZBuffer>(scene.scene);
+  return std::make_unique<ZBuffer>(scene.scene, overdraw);
 }
 
 }  // namespace sightline

@@ -1,0 +1,11 @@
+# OpenGL (Mesa's llvmpipe where there is no card) is what the pipeline is compared with.
+find_package(PkgConfig QUIET)
+if(PKG_CONFIG_FOUND)
+  pkg_check_modules(epoxy QUIET IMPORTED_TARGET epoxy)
+endif()
+if(TARGET PkgConfig::epoxy)
+  target_link_libraries(test_raster_gl PRIVATE PkgConfig::epoxy)
+  target_compile_definitions(test_raster_gl PRIVATE SIGHTLINE_HAS_EPOXY)
+else()
+  message(WARNING "libepoxy-dev is missing: the pipeline will NOT be compared with OpenGL")
+endif()
