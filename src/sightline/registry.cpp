@@ -8,6 +8,8 @@
 #include "sightline/cull/none.hpp"
 #include "sightline/cull/occlusion_masked.hpp"
 #include "sightline/scene/input_error.hpp"
+#include "sightline/surface/painter.hpp"
+#include "sightline/surface/painter_bsp.hpp"
 #include "sightline/surface/zbuffer.hpp"
 
 namespace sightline {
@@ -29,6 +31,11 @@ constexpr std::array rows{
     // Visible surfaces.
     Algorithm{"zbuffer", Family::renderer, Promise::exact, "per pixel the nearest surface, every triangle drawn",
               "Strasser 1974; Catmull 1974", "3.01-3.05 3.11", nullptr, make_zbuffer},
+    Algorithm{"painter", Family::renderer, Promise::approximate, "triangles sorted by depth, painted from far to near",
+              "Newell 1972", "2.01-2.04", nullptr, make_painter},
+    Algorithm{"painter_bsp", Family::renderer, Promise::exact,
+              "painted in the order of a BSP tree, which cuts triangles", "Fuchs, Kedem and Naylor 1980",
+              "2.21 15.01-15.12", nullptr, make_painter_bsp},
 };
 
 }  // namespace
