@@ -21,11 +21,17 @@ Verb list_command(CLI::App& app);
 Verb generate_command(CLI::App& app);
 Verb walk_command(CLI::App& app);
 Verb render_command(CLI::App& app);
+Verb visible_faces_command(CLI::App& app);
+Verb sight_lines_command(CLI::App& app);
+Verb bsp_command(CLI::App& app);
+Verb boolean_command(CLI::App& app);
+Verb maze_command(CLI::App& app);
 
 namespace {
 
 constexpr Verb (*commands[])(CLI::App&) = {
-    info_command, list_command, generate_command, walk_command, render_command,
+    info_command,          list_command,        generate_command, walk_command,    render_command,
+    visible_faces_command, sight_lines_command, bsp_command,      boolean_command, maze_command,
 };
 
 /// CLI11 names neither a verb that it does not know nor those that there are.

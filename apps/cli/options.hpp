@@ -88,6 +88,7 @@ struct RenderOptions {
   CommonOptions common;
   std::string scene;
   std::string method = "zbuffer";  // a renderer of the registry, or "oracle"
+  std::string against;             // another one: pixels that differ are counted and shown red; empty for none
   Show show = Show::shaded;
   std::optional<glm::dvec3> eye;
   glm::dvec3 look{0.0, 0.0, -1.0};

@@ -16,9 +16,9 @@ namespace {
 
 constexpr std::string_view oracle_name = "oracle";
 
-void check_method(const RenderOptions& options) {
-  if (options.method == oracle_name) return;
-  as_usage([&] { (void)find_algorithm(parse_method(options.method).name, Family::renderer); });
+void check_method(const std::string& method) {
+  if (method == oracle_name) return;
+  as_usage([&] { (void)find_algorithm(parse_method(method).name, Family::renderer); });
 }
 
 View view_of(const RenderOptions& options, const Scene& scene) {
@@ -38,16 +38,28 @@ View view_of(const RenderOptions& options, const Scene& scene) {
 }
 
 /// Draws all objects; returns what the work was.
-Counters draw(const RenderOptions& options, const Scene& scene, const View& view, Frame& frame) {
+Counters draw(const std::string& method, const Scene& scene, const View& view, Frame& frame) {
   Counters counters;
-  if (options.method == oracle_name) {
+  if (method == oracle_name) {
     Oracle(scene).draw(view, frame);
     return counters;
   }
   const IndexedScene indexed = index_scene(scene);
-  const auto renderer = as_usage([&] { return make_renderer(options.method, indexed); });
+  const auto renderer = as_usage([&] { return make_renderer(method, indexed); });
   renderer->draw(view, VisibleSet::all(scene.objects().size()), frame, counters);
   return counters;
+}
+
+/// Pixels at which the two show another object; they become red in the picture.
+std::size_t mark_differences(const Frame& frame, const Frame& other, Picture& picture) {
+  std::size_t count = 0;
+  for (std::size_t i = 0; i < frame.object.size(); ++i) {
+    if (frame.object[i] == other.object[i]) continue;
+    ++count;
+    picture.rgb[3 * i] = 230;
+    picture.rgb[3 * i + 1] = picture.rgb[3 * i + 2] = 30;
+  }
+  return count;
 }
 
 Json render_json(const RenderOptions& options, const Scene& scene, const View& view, const Frame& frame,
@@ -76,20 +88,31 @@ Json render_json(const RenderOptions& options, const Scene& scene, const View& v
 }  // namespace
 
 int run_render(const RenderOptions& options) {
-  check_method(options);
+  check_method(options.method);
+  if (!options.against.empty()) check_method(options.against);
   OutputFile picture(options.output);
   JsonOutput output(options.common);
   const LoadedScene loaded = open_scene(options.scene, options.common);
   const View view = view_of(options, loaded.scene);
   Frame frame;
-  const Counters counters = draw(options, loaded.scene, view, frame);
-  picture.write(encode_png(paint(loaded.scene, view, frame, options.show)));
+  const Counters counters = draw(options.method, loaded.scene, view, frame);
+  Picture painted = paint(loaded.scene, view, frame, options.show);
+  Json json = render_json(options, loaded.scene, view, frame, counters);
+  if (!options.against.empty()) {
+    Frame other;
+    (void)draw(options.against, loaded.scene, view, other);
+    json["against"] = options.against;
+    json["pixels_different"] = mark_differences(frame, other, painted);
+  }
+  picture.write(encode_png(painted));
   picture.commit();
-  const Json json = render_json(options, loaded.scene, view, frame, counters);
   if (!options.common.json_to_stdout() && !options.common.quiet && options.output != "-")
     fmt::print("{}: {} objects seen, {} of {} pixels covered; {}\n", options.output,
                json["objects_seen"].get<std::size_t>(), json["pixels_covered"].get<std::size_t>(), frame.object.size(),
                describe(view));
+  if (!options.against.empty() && !options.common.json_to_stdout() && !options.common.quiet && options.output != "-")
+    fmt::print("{} of {} pixels show another object than {} does\n", json["pixels_different"].get<std::size_t>(),
+               frame.object.size(), options.against);
   output.write(json);
   return exit_ok;
 }

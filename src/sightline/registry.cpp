@@ -10,6 +10,7 @@
 #include "sightline/scene/input_error.hpp"
 #include "sightline/surface/painter.hpp"
 #include "sightline/surface/painter_bsp.hpp"
+#include "sightline/surface/whitted.hpp"
 #include "sightline/surface/zbuffer.hpp"
 
 namespace sightline {
@@ -36,6 +37,10 @@ constexpr std::array rows{
     Algorithm{"painter_bsp", Family::renderer, Promise::exact,
               "painted in the order of a BSP tree, which cuts triangles", "Fuchs, Kedem and Naylor 1980",
               "2.21 15.01-15.12", nullptr, make_painter_bsp},
+    Algorithm{"whitted", Family::renderer, Promise::exact, "rays with shadows, mirrors and glass; fills colour",
+              "Appel 1968; Whitted 1980", "13.02 13.03", nullptr, make_whitted_row},
+    Algorithm{"whitted", Family::renderer, Promise::exact, "rays with shadows, mirrors and glass; fills colour",
+              "Appel 1968; Whitted 1980", "13.02 13.03", nullptr, make_whitted_row},
 };
 
 }  // namespace
