@@ -107,6 +107,7 @@ struct RenderOptions {
   CommonOptions common;
   std::string scene;
   std::string method = "zbuffer";  // a renderer of the registry, or "oracle"
+  std::string against;             // another one: pixels that differ are counted and shown red; empty for none
   Show show = Show::shaded;
   ViewOptions view;
   std::string output;

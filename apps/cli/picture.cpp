@@ -87,6 +87,10 @@ Picture paint(const Scene& scene, const View& view, const Frame& frame, Show sho
     const ObjectId id = frame.object[i];
     if (id == no_object) return background;
     if (show == Show::object) return object_colour(id);
+    if (show == Show::shaded && !frame.colour.empty()) {  // the renderer's own shading
+      const std::uint32_t c = frame.colour[i];
+      return glm::vec3(c & 255u, (c >> 8) & 255u, (c >> 16) & 255u) / 255.0f;
+    }
     if (show == Show::depth) return depth_colour(frame.depth[i], range);
     const glm::vec3 normal = facing_normal(scene, view, id, frame.triangle[i]);
     return show == Show::normal ? 0.5f + 0.5f * normal : shaded_colour(normal, towards_eye(view, x, y));

@@ -23,20 +23,23 @@ void check_method(const RenderOptions& options) {
     return;
   }
   as_usage([&] { (void)find_algorithm(parse_method(options.method).name, Family::renderer); });
-}
+  void check_method(const std::string& method) {
+    if (method == oracle_name) return;
+    as_usage([&] { (void)find_algorithm(parse_method(method).name, Family::renderer); });
+  }
 
-/// The layers over each pixel, counted by the stencil buffer: every fragment increments, nothing is tested.
-void count_layers(const Scene& scene, const View& view, Frame& frame) {
-  raster::SceneDraw what;
-  what.state.depth.enabled = false;
-  what.state.color_mask = {false, false, false, false};
-  what.state.stencil.enabled = true;
-  what.state.stencil.front.zpass = what.state.stencil.back.zpass = raster::StencilOp::incr;
-  raster::Target target(view.width, view.height);
-  raster::DrawCounts counts;
-  raster::draw_scene(scene, view, VisibleSet::all(scene.objects().size()).order(), what, target, counts);
-  frame.stencil = target.stencil;
-}
+  /// The layers over each pixel, counted by the stencil buffer: every fragment increments, nothing is tested.
+  void count_layers(const Scene& scene, const View& view, Frame& frame) {
+    raster::SceneDraw what;
+    what.state.depth.enabled = false;
+    what.state.color_mask = {false, false, false, false};
+    what.state.stencil.enabled = true;
+    what.state.stencil.front.zpass = what.state.stencil.back.zpass = raster::StencilOp::incr;
+    raster::Target target(view.width, view.height);
+    raster::DrawCounts counts;
+    raster::draw_scene(scene, view, VisibleSet::all(scene.objects().size()).order(), what, target, counts);
+    frame.stencil = target.stencil;
+  }
 
 }  // namespace
 
@@ -59,9 +62,9 @@ View view_of(const RenderOptions& options, const Scene& scene) {
 namespace {
 
 /// Draws all objects; returns what the work was.
-Counters draw(const RenderOptions& options, const Scene& scene, const View& view, Frame& frame) {
+Counters draw(const std::string& method, const Scene& scene, const View& view, Frame& frame) {
   Counters counters;
-  if (options.method == oracle_name) {
+  if (method == oracle_name) {
     Oracle(scene).draw(view, frame);
     return counters;
   }
@@ -70,6 +73,18 @@ Counters draw(const RenderOptions& options, const Scene& scene, const View& view
   const auto renderer = as_usage([&] { return make_renderer(method, indexed); });
   renderer->draw(view, VisibleSet::all(scene.objects().size()), frame, counters);
   return counters;
+}
+
+/// Pixels at which the two show another object; they become red in the picture.
+std::size_t mark_differences(const Frame& frame, const Frame& other, Picture& picture) {
+  std::size_t count = 0;
+  for (std::size_t i = 0; i < frame.object.size(); ++i) {
+    if (frame.object[i] == other.object[i]) continue;
+    ++count;
+    picture.rgb[3 * i] = 230;
+    picture.rgb[3 * i + 1] = picture.rgb[3 * i + 2] = 30;
+  }
+  return count;
 }
 
 Json render_json(const RenderOptions& options, const Scene& scene, const View& view, const Frame& frame,
@@ -98,7 +113,8 @@ Json render_json(const RenderOptions& options, const Scene& scene, const View& v
 }  // namespace
 
 int run_render(const RenderOptions& options) {
-  check_method(options);
+  check_method(options.method);
+  if (!options.against.empty()) check_method(options.against);
   OutputFile picture(options.output);
   JsonOutput output(options.common);
   const LoadedScene loaded = open_scene(options.scene, options.common);
@@ -111,10 +127,24 @@ int run_render(const RenderOptions& options) {
   picture.commit();
   progress.show(1);
   const Json json = render_json(options, loaded.scene, view, frame, counters);
+  const Counters counters = draw(options.method, loaded.scene, view, frame);
+  Picture painted = paint(loaded.scene, view, frame, options.show);
+  Json json = render_json(options, loaded.scene, view, frame, counters);
+  if (!options.against.empty()) {
+    Frame other;
+    (void)draw(options.against, loaded.scene, view, other);
+    json["against"] = options.against;
+    json["pixels_different"] = mark_differences(frame, other, painted);
+  }
+  picture.write(encode_png(painted));
+  picture.commit();
   if (!options.common.json_to_stdout() && !options.common.quiet && options.output != "-")
     fmt::print("{}: {} objects seen, {} of {} pixels covered; {}\n", options.output,
                json["objects_seen"].get<std::size_t>(), json["pixels_covered"].get<std::size_t>(), frame.object.size(),
                describe(view));
+  if (!options.against.empty() && !options.common.json_to_stdout() && !options.common.quiet && options.output != "-")
+    fmt::print("{} of {} pixels show another object than {} does\n", json["pixels_different"].get<std::size_t>(),
+               frame.object.size(), options.against);
   output.write(json);
   return exit_ok;
 }

@@ -16,6 +16,9 @@ void add_render(CLI::App& app, RenderOptions& options) {
   app.add_option("--method", options.method, "a renderer, see sightline list; or oracle")
       ->type_name("NAME")
       ->capture_default_str();
+  app.add_option("--against", options.against,
+                 "compare with this renderer, or oracle: pixels with another object are red")
+      ->type_name("NAME");
   add_text(
       app, "--show", "depth|object|normal|shaded", "what the picture shows", "shaded",
       [&options](const std::string& text) {

@@ -13,6 +13,9 @@
 #include "sightline/cull/occlusion_masked.hpp"
 #include "sightline/cull/occlusion_virtual.hpp"
 #include "sightline/scene/input_error.hpp"
+#include "sightline/surface/painter.hpp"
+#include "sightline/surface/painter_bsp.hpp"
+#include "sightline/surface/whitted.hpp"
 #include "sightline/surface/zbuffer.hpp"
 #include "sightline/surface/zbuffer_tiled.hpp"
 
@@ -50,6 +53,15 @@ constexpr std::array rows{
               "Strasser 1974; Catmull 1974", "3.01-3.05 3.14", nullptr, make_zbuffer_tiled},
     Algorithm{"hzb", Family::renderer, Promise::exact, "front to back, what tiles of the depth image hide left out",
               "Greene 1993", "5.01-5.04 5.07 5.10-5.12 5.17", nullptr, make_hzb},
+    Algorithm{"painter", Family::renderer, Promise::approximate, "triangles sorted by depth, painted from far to near",
+              "Newell 1972", "2.01-2.04", nullptr, make_painter},
+    Algorithm{"painter_bsp", Family::renderer, Promise::exact,
+              "painted in the order of a BSP tree, which cuts triangles", "Fuchs, Kedem and Naylor 1980",
+              "2.21 15.01-15.12", nullptr, make_painter_bsp},
+    Algorithm{"whitted", Family::renderer, Promise::exact, "rays with shadows, mirrors and glass; fills colour",
+              "Appel 1968; Whitted 1980", "13.02 13.03", nullptr, make_whitted_row},
+    Algorithm{"whitted", Family::renderer, Promise::exact, "rays with shadows, mirrors and glass; fills colour",
+              "Appel 1968; Whitted 1980", "13.02 13.03", nullptr, make_whitted_row},
 };
 
 }  // namespace

@@ -1,0 +1,216 @@
+// Which faces cameras see: counts against the oracle, completeness against a finer oracle, witnesses by rays.
+#include "sightline/surface/visible_faces.hpp"
+
+#include <gtest/gtest.h>
+
+#include <map>
+
+#include "agreement/cases.hpp"
+#include "sightline/oracle/oracle.hpp"
+#include "sightline/parallel/parallel.hpp"
+#include "sightline/scene/generate/shapes.hpp"
+#include "sightline/scene/input_error.hpp"
+
+namespace sightline {
+namespace {
+
+struct Seen {
+  std::vector<std::uint32_t> samples;
+  std::vector<std::uint8_t> seen;
+};
+
+std::vector<Seen> look(const Scene& scene, const std::vector<CalibratedCamera>& cameras, int extra = 4) {
+  std::vector<Seen> result(cameras.size());
+  visible_faces(scene, cameras, {extra}, [&](std::size_t i, const CameraFaces& faces) {
+    result[i].samples.assign(faces.samples.begin(), faces.samples.end());
+    result[i].seen.assign(faces.seen.begin(), faces.seen.end());
+  });
+  return result;
+}
+
+std::vector<std::uint32_t> faces_of(const Scene& scene, const Frame& frame) {
+  const std::vector<std::uint64_t> first = first_faces(scene);
+  std::vector<std::uint32_t> samples(first.back(), 0);
+  for (std::size_t i = 0; i < frame.object.size(); ++i)
+    if (frame.object[i] != no_object) ++samples[first[frame.object[i]] + frame.triangle[i]];
+  return samples;
+}
+
+std::vector<View> views_of(const Scene& scene) {
+  std::vector<View> views;
+  for (View view : cases::hard_views(scene, 10, 6)) {
+    view.far = std::min(view.far, 1e6);
+    views.push_back(view);
+  }
+  return views;
+}
+
+TEST(VisibleFaces, SampleCountsAreThoseOfTheOracle) {
+  for (const char* kind : {"city", "building", "soup"}) {
+    const Scene scene = generate_scene(kind, {.objects = 150, .seed = 3});
+    const Oracle oracle(scene);
+    std::vector<CalibratedCamera> cameras;
+    std::vector<View> views = views_of(scene);
+    for (const View& view : views) cameras.push_back(calibrated(view));
+    const std::vector<Seen> ours = look(scene, cameras);
+    for (std::size_t i = 0; i < views.size(); ++i) {
+      Frame frame;
+      oracle.draw(views[i], frame);
+      const std::vector<std::uint32_t> truth = faces_of(scene, frame);
+      std::size_t differ = 0, same = 0;
+      for (std::size_t f = 0; f < truth.size(); ++f) {
+        differ +=
+            static_cast<std::size_t>(std::abs(static_cast<long>(truth[f]) - static_cast<long>(ours[i].samples[f])));
+        same += std::min(truth[f], ours[i].samples[f]);
+        ASSERT_TRUE(ours[i].samples[f] == 0 || ours[i].seen[f] == 1);
+      }
+      // Pixels on edges and on coplanar faces may go either way.
+      EXPECT_LE(differ, 4 + same / 50) << kind << " " << describe(views[i]);
+    }
+  }
+}
+
+/// A bumpy ball of faces much smaller than a pixel, before a wall.
+Scene fine_ball() {
+  SceneBuilder builder;
+  builder.add_object(builder.add_mesh(make_ball(120, 60)), identity_affine());
+  builder.add_object(builder.add_mesh(cases::quad({-4, -4, -2}, {8, 0, 0}, {0, 8, 0})), identity_affine());
+  return builder.build();
+}
+
+TEST(VisibleFaces, FacesSmallerThanAPixelAreFound) {
+  const Scene scene = fine_ball();
+  View view = look_along({0.3, 0.4, 6}, {0, 0, -1});
+  view.width = view.height = 48;
+  view.near = 0.1;
+  view.far = 100;
+  View fine = view;
+  fine.width = fine.height = 48 * 40;
+  Frame frame;
+  Oracle(scene).draw(fine, frame);
+  const std::vector<std::uint32_t> truth = faces_of(scene, frame);
+  std::size_t seen[3] = {}, missed[3] = {}, extra[3] = {}, all = 0;
+  for (const int points : {0, 1, 4}) {
+    const std::vector<Seen> ours = look(scene, {calibrated(view)}, points);
+    const int k = points / 2;
+    all = 0;
+    for (std::size_t f = 0; f < truth.size(); ++f) {
+      all += truth[f] > 0;
+      seen[k] += ours[0].seen[f];
+      missed[k] += truth[f] > 2 && ours[0].seen[f] == 0 ? 1 : 0;
+      extra[k] += truth[f] == 0 && ours[0].seen[f] == 1 ? 1 : 0;
+    }
+  }
+  EXPECT_GT(all, 2500u);
+  EXPECT_LT(seen[0], all / 2) << "most faces have no pixel centre";
+  EXPECT_LE(missed[1] * 100, all) << "one point for each finds nearly all";
+  EXPECT_LE(missed[2] * 200, all);
+  EXPECT_LE(missed[2], missed[1]);
+  EXPECT_LE(extra[2] * 50, all) << "witnesses at the rim that even the fine picture lacks";
+}
+
+TEST(VisibleFaces, HiddenFacesAreNotReported) {
+  SceneBuilder builder;  // a fine ball behind a wall, seen from before it
+  builder.add_object(builder.add_mesh(make_ball(60, 30)), cases::at({0, 0, -3}));
+  builder.add_object(builder.add_mesh(cases::quad({-40, -40, 0}, {80, 0, 0}, {0, 80, 0})), identity_affine());
+  const Scene scene = builder.build();
+  View view = look_along({0, 0, 5}, {0, 0, -1});
+  view.width = 64;
+  view.height = 48;
+  const std::vector<Seen> ours = look(scene, {calibrated(view)});
+  for (std::size_t f = 0; f + 2 < ours[0].seen.size(); ++f) ASSERT_EQ(ours[0].seen[f], 0) << f;
+  EXPECT_EQ(ours[0].samples[ours[0].samples.size() - 2] + ours[0].samples.back(), 64u * 48u);
+}
+
+TEST(VisibleFaces, GlassHidesNothing) {
+  SceneBuilder builder;
+  const MeshId wall = builder.add_mesh(cases::quad({-9, -9, 0}, {18, 0, 0}, {0, 18, 0}));
+  builder.add_object(wall, cases::at({0, 0, 0}), "wall");
+  builder.add_object(wall, cases::at({0, 0, 1}), "glass", {}, false);
+  builder.add_object(wall, cases::at({0, 0, -1}), "glass behind", {}, false);
+  const Scene scene = builder.build();
+  View view = look_along({0.1, 0.2, 5}, {0, 0, -1});
+  view.width = view.height = 20;
+  const Seen seen = look(scene, {calibrated(view)})[0];
+  EXPECT_EQ(seen.samples[0] + seen.samples[1], 400u);
+  EXPECT_EQ(seen.samples[2] + seen.samples[3], 400u);
+  EXPECT_EQ(seen.seen[4] + seen.seen[5], 0);
+}
+
+TEST(VisibleFaces, IntrinsicsMoveThePicture) {
+  SceneBuilder builder;  // a small square that projects to known pixels
+  builder.add_object(builder.add_mesh(cases::quad({-0.5f, -0.5f, -10}, {1, 0, 0}, {0, 1, 0})), identity_affine());
+  const Scene scene = builder.build();
+  CalibratedCamera camera;
+  camera.width = 100;
+  camera.height = 80;
+  camera.fx = 200;  // 20 pixels wide, 10 high
+  camera.fy = 100;
+  camera.cx = 50;
+  camera.cy = 40;
+  camera.rotation = glm::dmat3(1, 0, 0, 0, -1, 0, 0, 0, -1);
+  const auto pixels = [&](const CalibratedCamera& c) {
+    const Seen seen = look(scene, {c})[0];
+    return seen.samples[0] + seen.samples[1];
+  };
+  EXPECT_EQ(pixels(camera), 200u);
+  camera.cx = 0;  // half of it is left of the image
+  EXPECT_EQ(pixels(camera), 100u);
+  camera.cy = 80;
+  EXPECT_EQ(pixels(camera), 50u);
+  camera.cx = -11;
+  EXPECT_EQ(pixels(camera), 0u);
+  camera.cx = 50;
+  camera.cy = 40;
+  camera.near = 11;
+  EXPECT_EQ(pixels(camera), 0u);
+  camera.near = 1;
+  camera.far = 9;
+  EXPECT_EQ(pixels(camera), 0u);
+  camera.far = 20;
+  camera.projection = Projection::orthographic;
+  camera.fx = 30;
+  camera.fy = 20;
+  EXPECT_EQ(pixels(camera), 600u);
+}
+
+TEST(VisibleFaces, SameForAnyNumberOfThreads) {
+  const Scene scene = generate_scene("city", {.objects = 100});
+  std::vector<CalibratedCamera> cameras;
+  for (const View& view : views_of(scene)) cameras.push_back(calibrated(view));
+  std::vector<Seen> results[2];
+  for (int i = 0; i < 2; ++i) {
+    const ThreadLimit limit(i == 0 ? 1 : 4);
+    results[i] = look(scene, cameras);
+  }
+  for (std::size_t i = 0; i < cameras.size(); ++i) {
+    EXPECT_EQ(results[0][i].samples, results[1][i].samples);
+    EXPECT_EQ(results[0][i].seen, results[1][i].seen);
+  }
+}
+
+TEST(VisibleFaces, DegenerateScenesAndCameras) {
+  const Scene scenes[] = {SceneBuilder().build(), cases::degenerate_scene(), cases::awkward_scene(2, 0)};
+  for (const Scene& scene : scenes) {
+    std::vector<CalibratedCamera> cameras;
+    if (!scene.objects().empty())
+      for (const View& view : views_of(scene)) cameras.push_back(calibrated(view));
+    CalibratedCamera one;
+    one.width = one.height = 1;
+    cameras.push_back(one);
+    EXPECT_NO_THROW(look(scene, cameras));
+  }
+  CalibratedCamera bad;
+  EXPECT_THROW(look(scenes[0], {bad}), InputError) << "no pixels";
+  bad.width = bad.height = 10;
+  bad.fx = 0;
+  EXPECT_THROW(look(scenes[0], {bad}), InputError);
+  bad.fx = 10;
+  bad.rotation = glm::dmat3(2.0);
+  EXPECT_THROW(look(scenes[0], {bad}), InputError);
+  bad.rotation = glm::dmat3(1, 0, 0, 0, 1, 0, 0, 0, -1);
+  EXPECT_THROW(look(scenes[0], {bad}), InputError) << "mirrors";
+}
+
+}  // namespace
+}  // namespace sightline
