@@ -3,6 +3,7 @@
 
 #include <filesystem>
 
+#include "camera.hpp"
 #include "heat_picture.hpp"
 #include "json_output.hpp"
 #include "plot.hpp"
@@ -137,7 +138,7 @@ int run_raster_report(const RasterReportOptions& options) {
     if (error) throw InputError(options.output, "", "cannot make the folder: " + error.message());
   }
   const LoadedScene loaded = open_scene(options.render.scene, options.common);
-  const View view = view_of(options.render, loaded.scene);
+  const View view = single_view(options.render.view, loaded.scene, options.common.seed);
   Frame plain, hierarchical;
   Json json{{"schema", "sightline.raster-report/1"}, {"scene", options.render.scene}, {"view", describe(view)}};
   json["overdraw"] = measure_overdraw(loaded.scene, view, plain, hierarchical);

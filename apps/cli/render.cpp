@@ -17,61 +17,39 @@ namespace {
 
 constexpr std::string_view oracle_name = "oracle";
 
-void check_method(const RenderOptions& options) {
-  if (options.method == oracle_name) {
-    if (options.show == Show::overdraw) throw UsageError("--show overdraw: the oracle writes no pixel twice");
+void check_method(const std::string& method, Show show) {
+  if (method == oracle_name) {
+    if (show == Show::overdraw) throw UsageError("--show overdraw: the oracle writes no pixel twice");
     return;
   }
-  as_usage([&] { (void)find_algorithm(parse_method(options.method).name, Family::renderer); });
-  void check_method(const std::string& method) {
-    if (method == oracle_name) return;
-    as_usage([&] { (void)find_algorithm(parse_method(method).name, Family::renderer); });
-  }
-
-  /// The layers over each pixel, counted by the stencil buffer: every fragment increments, nothing is tested.
-  void count_layers(const Scene& scene, const View& view, Frame& frame) {
-    raster::SceneDraw what;
-    what.state.depth.enabled = false;
-    what.state.color_mask = {false, false, false, false};
-    what.state.stencil.enabled = true;
-    what.state.stencil.front.zpass = what.state.stencil.back.zpass = raster::StencilOp::incr;
-    raster::Target target(view.width, view.height);
-    raster::DrawCounts counts;
-    raster::draw_scene(scene, view, VisibleSet::all(scene.objects().size()).order(), what, target, counts);
-    frame.stencil = target.stencil;
-  }
-
-}  // namespace
-
-View view_of(const RenderOptions& options, const Scene& scene) {
-  if (!options.eye) {
-    const CameraPath path = open_path(options.path, options.camera, scene, options.common.seed);
-    if (static_cast<std::size_t>(options.frame) >= path.views.size())
-      throw UsageError(fmt::format("--frame: {} is beyond the last frame, {}", options.frame, path.views.size() - 1));
-    return path.views[static_cast<std::size_t>(options.frame)];
-  }
-  const View oriented = look_along(*options.eye, options.look);
-  View view = prototype_view(options.camera, scene);
-  view.eye = oriented.eye;
-  view.orientation = oriented.orientation;
-  contain_scene(view, options.camera, scene);
-  as_usage([&] { check_view(view); });
-  return view;
+  as_usage([&] { (void)find_algorithm(parse_method(method).name, Family::renderer); });
 }
 
-namespace {
+/// The layers over each pixel, counted by the stencil buffer: every fragment increments, nothing is tested.
+void count_layers(const Scene& scene, const View& view, Frame& frame) {
+  raster::SceneDraw what;
+  what.state.depth.enabled = false;
+  what.state.color_mask = {false, false, false, false};
+  what.state.stencil.enabled = true;
+  what.state.stencil.front.zpass = what.state.stencil.back.zpass = raster::StencilOp::incr;
+  raster::Target target(view.width, view.height);
+  raster::DrawCounts counts;
+  raster::draw_scene(scene, view, VisibleSet::all(scene.objects().size()).order(), what, target, counts);
+  frame.stencil = target.stencil;
+}
 
 /// Draws all objects; returns what the work was.
-Counters draw(const std::string& method, const Scene& scene, const View& view, Frame& frame) {
+Counters draw(const std::string& method, Show show, const Scene& scene, const View& view, Frame& frame) {
   Counters counters;
   if (method == oracle_name) {
     Oracle(scene).draw(view, frame);
     return counters;
   }
   const IndexedScene indexed = index_scene(scene);
-  const std::string method = options.method + (options.show == Show::overdraw ? ":overdraw=on" : "");
-  const auto renderer = as_usage([&] { return make_renderer(method, indexed); });
+  const std::string text = method + (show == Show::overdraw ? ":overdraw=on" : "");
+  const auto renderer = as_usage([&] { return make_renderer(text, indexed); });
   renderer->draw(view, VisibleSet::all(scene.objects().size()), frame, counters);
+  if (show == Show::stencil) count_layers(scene, view, frame);
   return counters;
 }
 
@@ -113,31 +91,26 @@ Json render_json(const RenderOptions& options, const Scene& scene, const View& v
 }  // namespace
 
 int run_render(const RenderOptions& options) {
-  check_method(options.method);
-  if (!options.against.empty()) check_method(options.against);
+  check_method(options.method, options.show);
+  if (!options.against.empty()) check_method(options.against, Show::object);
   OutputFile picture(options.output);
   JsonOutput output(options.common);
   const LoadedScene loaded = open_scene(options.scene, options.common);
   const View view = single_view(options.view, loaded.scene, options.common.seed);
   Frame frame;
   Progress progress("render", 1, options.common.quiet);
-  const Counters counters = draw(options, loaded.scene, view, frame);
-  if (options.show == Show::stencil) count_layers(loaded.scene, view, frame);
-  picture.write(encode_png(paint(loaded.scene, view, frame, options.show)));
-  picture.commit();
-  progress.show(1);
-  const Json json = render_json(options, loaded.scene, view, frame, counters);
-  const Counters counters = draw(options.method, loaded.scene, view, frame);
+  const Counters counters = draw(options.method, options.show, loaded.scene, view, frame);
   Picture painted = paint(loaded.scene, view, frame, options.show);
   Json json = render_json(options, loaded.scene, view, frame, counters);
   if (!options.against.empty()) {
     Frame other;
-    (void)draw(options.against, loaded.scene, view, other);
+    (void)draw(options.against, Show::object, loaded.scene, view, other);
     json["against"] = options.against;
     json["pixels_different"] = mark_differences(frame, other, painted);
   }
   picture.write(encode_png(painted));
   picture.commit();
+  progress.show(1);
   if (!options.common.json_to_stdout() && !options.common.quiet && options.output != "-")
     fmt::print("{}: {} objects seen, {} of {} pixels covered; {}\n", options.output,
                json["objects_seen"].get<std::size_t>(), json["pixels_covered"].get<std::size_t>(), frame.object.size(),

@@ -19,17 +19,6 @@ void add_render(CLI::App& app, RenderOptions& options) {
   app.add_option("--against", options.against,
                  "compare with this renderer, or oracle: pixels with another object are red")
       ->type_name("NAME");
-  add_text(
-      app, "--show", "depth|object|normal|shaded", "what the picture shows", "shaded",
-      [&options](const std::string& text) {
-        const std::array<std::pair<std::string_view, Show>, 4> kinds{
-            {{"depth", Show::depth}, {"object", Show::object}, {"normal", Show::normal}, {"shaded", Show::shaded}}};
-        const auto kind = std::find_if(kinds.begin(), kinds.end(), [&](const auto& k) { return k.first == text; });
-        if (kind == kinds.end())
-          throw UsageError(fmt::format("--show: '{}' is not depth, object, normal or shaded", text));
-        options.show = kind->second;
-      });
-  add_view(app, options.view);
   add_text(app, "--show", "colour|depth|object|normal|overdraw|tiles|stencil", "what the picture shows", "shaded",
            [&options](const std::string& text) {
              const std::array<std::pair<std::string_view, Show>, 8> kinds{{{"depth", Show::depth},
@@ -46,17 +35,7 @@ void add_render(CLI::App& app, RenderOptions& options) {
                    "--show: '{}' is not colour, depth, object, normal, shaded, overdraw, tiles or stencil", text));
              options.show = kind->second;
            });
-  CLI::Option* eye = add_text(app, "--eye", "X,Y,Z", "where the eye is, metres", "",
-                              [&options](const std::string& text) { options.eye = parse_vector("--eye", text); });
-  add_text(app, "--look", "DX,DY,DZ", "where it looks", "0,0,-1", [&options](const std::string& text) {
-    options.look = parse_vector("--look", text);
-    if (options.look == glm::dvec3(0.0)) throw UsageError("--look: the direction has no length");
-  })->needs(eye);
-  add_path(app, options.path);
-  app.get_option("--path")->excludes(eye);
-  add_whole(app, "--frame", "which view of the path, from 0", options.frame, 0, most_frames);
-  app.get_option("--frame")->excludes(eye);
-  add_camera(app, options.camera);
+  add_view(app, options.view);
   app.add_option("-o,--output", options.output, "the file to write, .png")->type_name("FILE")->required();
   add_common(app, options.common);
   app.footer(

@@ -16,7 +16,4 @@ int run_compare(const CompareOptions& options);
 int run_occluders(const OccludersOptions& options);
 int run_raster_report(const RasterReportOptions& options);
 
-/// The view that --eye and --look, or --path and --frame, ask for. Throws UsageError.
-View view_of(const RenderOptions& options, const Scene& scene);
-
 }  // namespace sightline::cli
