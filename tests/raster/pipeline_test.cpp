@@ -334,7 +334,8 @@ TEST(DepthPrecision, PlanesFightWhereTheSlopeOfDepthSays) {
       if (same >= 100) measured = d;
     }
     // Half of the pairs share a code where the slope is half a code per gap: sqrt(2) farther than one code per gap.
-    if (measured > 0) EXPECT_NEAR(measured / (predicted * std::sqrt(2.0)), 1.0, 0.05) << depth_bits(f);
+    if (measured == 0) continue;  // beyond the far plane
+    EXPECT_NEAR(measured / (predicted * std::sqrt(2.0)), 1.0, 0.05) << depth_bits(f);
   }
   EXPECT_LT(fighting_distance(DepthFormat::unorm16, apart, near, far),
             fighting_distance(DepthFormat::unorm24, apart, near, far) / 15);

@@ -244,13 +244,19 @@ TEST(TileMemory, ImageIsThatOfThePlainZBufferAndFeaturesSaveTraffic) {
       }
     total[bits] = memory.traffic().total();
     const TileTraffic& traffic = memory.traffic();
-    if ((bits & 2) != 0) EXPECT_GT(traffic.rejected[0] + traffic.rejected[1] + traffic.rejected[2], 0u);
+    if ((bits & 2) != 0) {
+      EXPECT_GT(traffic.rejected[0] + traffic.rejected[1] + traffic.rejected[2], 0u);
+    }
     EXPECT_LE(traffic.fetches + traffic.rejected[0] + traffic.rejected[1] + traffic.rejected[2], traffic.visits);
-    if ((bits & 1) != 0) EXPECT_EQ(traffic.cleared, 0u);
+    if ((bits & 1) != 0) {
+      EXPECT_EQ(traffic.cleared, 0u);
+    }
   }
   for (int bits = 0; bits < 8; ++bits)
     for (const int feature : {1, 2, 4})
-      if ((bits & feature) == 0) EXPECT_LT(total[bits | feature], total[bits]) << bits << " + " << feature;
+      if ((bits & feature) == 0) {
+        EXPECT_LT(total[bits | feature], total[bits]) << bits << " + " << feature;
+      }
 }
 
 // 5.01: each level is the farthest of n x n; queries are conservative and exact for whole images.
@@ -327,7 +333,9 @@ TEST(DepthComplexity, RandomOrderWritesTheHarmonicNumber) {
       }
     }
     EXPECT_NEAR(sum / rounds, harmonic, 0.06) << n;
-    if (n <= 4) EXPECT_GT(std::abs(sum / rounds - (std::log(n) + 0.5)) / (sum / rounds), 0.05);
+    if (n <= 4) {
+      EXPECT_GT(std::abs(sum / rounds - (std::log(n) + 0.5)) / (sum / rounds), 0.05);
+    }
   }
 }
 

@@ -18,7 +18,7 @@ using Residuals = std::array<std::int64_t, 64>;
 int bits_for(std::int64_t v) {
   if (v == 0) return 0;
   const auto magnitude = static_cast<std::uint64_t>(v < 0 ? -v - 1 : v);
-  return std::bit_width(magnitude) + 1;
+  return static_cast<int>(std::bit_width(magnitude)) + 1;
 }
 
 /// Least squares through the pixels of `members`; the constant is what the residuals are centred on.
