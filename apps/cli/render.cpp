@@ -66,7 +66,8 @@ Counters draw(const RenderOptions& options, const Scene& scene, const View& view
     return counters;
   }
   const IndexedScene indexed = index_scene(scene);
-  const std::string method = options.method + (options.show == Show::overdraw ? ":overdraw=on" : "");
+  const bool count = options.show == Show::overdraw && options.method.find(":overdraw=") == std::string::npos;
+  const std::string method = options.method + (count ? ":overdraw=on" : "");
   const auto renderer = as_usage([&] { return make_renderer(method, indexed); });
   renderer->draw(view, VisibleSet::all(scene.objects().size()), frame, counters);
   return counters;
