@@ -76,8 +76,7 @@ TEST(TileRasteriser, ClosedMeshAroundTheEyeHasNoHoles) {
   Random random(6);
   for (int round = 0; round < 60; ++round) {
     SceneBuilder builder;
-    Mesh mesh = cases::sheet(40, 0.2f, true);  // folded onto a ball
-    mesh = {};
+    Mesh mesh;
     const int sides = 5 + static_cast<int>(random.below(60)), rings = 3 + static_cast<int>(random.below(40));
     for (int j = 0; j <= rings; ++j)
       for (int i = 0; i < sides; ++i) {
