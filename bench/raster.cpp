@@ -1,7 +1,8 @@
 // bench_raster: the exact rasterisers beside OpenGL on llvmpipe (skipped loudly where there is no EGL), one core, then
-// two. Every picture is compared with its reference before anything is timed; exits 1 if one is wrong. Tasks: a million
-// small triangles, layers that fill the image, 555 million instanced triangles, decoding of compressed depth tiles.
-// Contenders are interleaved; figures are medians. bench_raster triangles|layers|compression|instances runs one task.
+// two; more than 400 lines because the four tasks share their contenders. Every picture is compared with its reference
+// before anything is timed; exits 1 if one is wrong. Tasks: a million small triangles, layers that fill the image, 555
+// million instanced triangles, decoding of compressed depth tiles. Contenders are interleaved; figures are medians.
+// bench_raster triangles|layers|compression|instances runs one task.
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -325,7 +326,7 @@ void compression() {
   rasteriser.draw(task.view, all_objects(task.scene), {}, frame, stats);
   std::vector<raster::PackedTile> packed;
   std::vector<raster::DepthTile> tiles;
-  std::size_t bytes = 0, modes[4] = {0, 0, 0, 0}, first = 0, second = 0, cleared = 0;
+  std::size_t bytes = 0, modes[raster::tile_modes] = {}, first = 0, second = 0, cleared = 0;
   for (int y = 0; y + 8 <= frame.height; y += 8)
     for (int x = 0; x + 8 <= frame.width; x += 8) {
       raster::DepthTile tile;
@@ -359,8 +360,8 @@ void compression() {
   std::printf("\n== compression of %zu tiles that are not cleared (%zu are), 24 bits\n", tiles.size(), cleared);
   check(lossless, "decoded tiles equal the originals");
   std::printf(
-      "ratio %.2f:1 (first-order DPCM %.2f, second-order DPCM %.2f); plane %zu, two planes %zu, second order %zu, "
-      "raw %zu\n",
+      "ratio %.2f:1 (first-order DPCM %.2f, second-order DPCM %.2f); plane %zu, two planes %zu, second order %zu and "
+      "turned %zu, raw %zu\n",
       raw / static_cast<double>(bytes), raw / static_cast<double>(first), raw / static_cast<double>(second), modes[0],
       modes[1], modes[2], modes[3]);
   std::uint32_t sum = 0;

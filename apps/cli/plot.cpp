@@ -72,8 +72,8 @@ std::string line_chart(const std::string& title, const std::string& x_label, con
       path += fmt::format("{}{:.1f} {:.1f} ", path.empty() ? "M" : "L", place_x(x), place_y(y));
     svg += fmt::format("<path d='{}' fill='none' stroke='{}' stroke-width='2'{}/>\n", path, colours[i % 5],
                        i > 0 ? " stroke-dasharray='6 3'" : "");
-    svg += fmt::format("<rect x='{}' y='{}' width='14' height='4' fill='{}'/>\n", left + 12, top + 6 + 18 * i,
-                       colours[i % 5]);
+    svg += fmt::format("<rect x='{}' y='{}' width='14' height='4' fill='{}'/>\n", left + 12,
+                       top + 6 + 18 * static_cast<double>(i), colours[i % 5]);
     svg += text_at(left + 32, top + 12 + 18 * static_cast<double>(i), series[i].name, "start");
   }
   return svg + "</svg>\n";

@@ -173,7 +173,7 @@ Json measure_compression(const View& view, const Frame& frame) {
   std::uint64_t cleared = 0, tiles = 0, bytes = 0, first = 0, second = 0, quarter = 0;
   std::vector<double> ratios;
   std::vector<std::uint64_t> histogram(16);
-  std::uint64_t modes[4] = {};
+  std::uint64_t modes[raster::tile_modes] = {};
   const double far = std::isinf(view.far) ? 1e9 : view.far;
   for (int y = 0; y + 8 <= frame.height; y += 8)
     for (int x = 0; x + 8 <= frame.width; x += 8) {
@@ -209,7 +209,12 @@ Json measure_compression(const View& view, const Frame& frame) {
           {"second_order_dpcm", per(raw, second)},
           {"median_ratio", ratios.empty() ? 0.0 : ratios[ratios.size() / 2]},
           {"share_at_least_4", per(quarter, tiles)},
-          {"modes", {{"plane", modes[0]}, {"two_planes", modes[1]}, {"second_order", modes[2]}, {"raw", modes[3]}}},
+          {"modes",
+           {{"plane", modes[0]},
+            {"two_planes", modes[1]},
+            {"second_order", modes[2]},
+            {"second_order_turned", modes[3]},
+            {"raw", modes[4]}}},
           {"histogram", histogram}};
 }
 

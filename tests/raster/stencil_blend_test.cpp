@@ -181,7 +181,9 @@ TEST(Stencil, ConstructiveSolidGeometry) {
         }
       EXPECT_LE(wrong, 12) << "operation " << static_cast<int>(op);  // centres on an edge, as far as 1/256 pixel tells
       EXPECT_GT(seen[1] + seen[2], 200);
-      if (op == Csg::subtract) EXPECT_LT(seen[1] + seen[2], 128 * 96 / 2);
+      if (op == Csg::subtract) {
+        EXPECT_LT(seen[1] + seen[2], 128 * 96 / 2);
+      }
     }
   }
 }

@@ -18,7 +18,7 @@ using Residuals = std::array<std::int64_t, 64>;
 int bits_for(std::int64_t v) {
   if (v == 0) return 0;
   const auto magnitude = static_cast<std::uint64_t>(v < 0 ? -v - 1 : v);
-  return std::bit_width(magnitude) + 1;
+  return static_cast<int>(std::bit_width(magnitude)) + 1;
 }
 
 /// Least squares through the pixels of `members`; the constant is what the residuals are centred on.
@@ -80,11 +80,16 @@ bool finish(const Residuals& residuals, std::size_t used, TileMode mode, PackedT
     out.bytes[row] = static_cast<std::uint8_t>(width[2 * row] | (width[2 * row + 1] << 4));
   std::uint8_t* p = out.bytes.data() + used;
   for (std::size_t row = 0; row < 8; ++row) {
-    std::uint64_t word = 0;
+    std::uint64_t half[2] = {0, 0};
     for (std::size_t i = 0; i < 8 && width[row] > 0; ++i)
-      word |= static_cast<std::uint64_t>(residuals[8 * row + i] + tile_layout::bias_of(width[row]))
-              << (static_cast<int>(i) * width[row]);
-    for (int k = 0; k < width[row]; ++k) *p++ = static_cast<std::uint8_t>(word >> (8 * k));
+      half[i / 4] |= static_cast<std::uint64_t>(residuals[8 * row + i] + tile_layout::bias_of(width[row]))
+                     << (static_cast<int>(i % 4) * width[row]);
+    for (int bit = 0; bit < 8 * width[row]; bit += 4) {
+      const int of_half = bit < 4 * width[row] ? bit : bit - 4 * width[row];
+      const auto nibble = static_cast<std::uint8_t>((half[bit < 4 * width[row] ? 0 : 1] >> of_half) & 15);
+      p[bit / 8] = static_cast<std::uint8_t>(bit % 8 == 0 ? nibble : p[bit / 8] | (nibble << 4));
+    }
+    p += width[row];
   }
   out.size = static_cast<std::uint16_t>(size);
   out.mode = mode;
@@ -133,7 +138,7 @@ std::uint64_t far_side(const DepthTile& tile) {
 }
 
 /// Row 0 from a line; the step from row 0 to row 1 from a line; from then on what the last step predicts.
-bool encode_second_order(const DepthTile& tile, PackedTile& out) {
+bool encode_second_order(const DepthTile& tile, TileMode mode, PackedTile& out) {
   const auto value = [&](std::size_t row, std::size_t i) { return static_cast<std::int64_t>(tile[8 * row + i]); };
   Residuals residuals;
   const Predictor line = fit(tile, 0xFF);
@@ -161,7 +166,7 @@ bool encode_second_order(const DepthTile& tile, PackedTile& out) {
   write_predictor(out.bytes.data() + tile_layout::widths, {line.z, line.dx, static_cast<std::int32_t>(slope)});
   tile_layout::write24(out.bytes.data() + tile_layout::widths + tile_layout::predictor,
                        static_cast<std::int32_t>(base));
-  return finish(residuals, tile_layout::widths + tile_layout::predictor + 3, TileMode::second_order, out);
+  return finish(residuals, tile_layout::widths + tile_layout::predictor + 3, mode, out);
 }
 
 void encode_raw(const DepthTile& tile, PackedTile& out) {
@@ -169,6 +174,12 @@ void encode_raw(const DepthTile& tile, PackedTile& out) {
     tile_layout::write24(out.bytes.data() + 3 * i, static_cast<std::int32_t>(tile[i]));
   out.size = raw_tile_bytes;
   out.mode = TileMode::raw;
+}
+
+DepthTile turned(const DepthTile& tile) {
+  DepthTile result;
+  for (std::size_t i = 0; i < 64; ++i) result[i % 8 * 8 + i / 8] = tile[i];
+  return result;
 }
 
 std::size_t whole_bytes(std::size_t bits) { return (bits + 7) / 8; }
@@ -187,7 +198,8 @@ PackedTile encode_tile(const DepthTile& tile) {
     if (fits && trial.size < best.size) best = trial;
   };
   keep_smaller(encode_planes(tile, 0, trial));
-  keep_smaller(encode_second_order(tile, trial));
+  keep_smaller(encode_second_order(tile, TileMode::second_order, trial));
+  keep_smaller(encode_second_order(turned(tile), TileMode::second_order_turned, trial));
   const std::uint64_t far = far_side(tile);
   if (far != 0) keep_smaller(encode_planes(tile, far, trial));
   return best;
@@ -200,6 +212,7 @@ void decode_tile_scalar(const PackedTile& packed, DepthTile& tile) {
       tile[i] = static_cast<std::uint32_t>(tile_layout::read24(bytes + 3 * i)) & 0xFFFFFF;
     return;
   }
+  const bool second_order = packed.mode == TileMode::second_order || packed.mode == TileMode::second_order_turned;
   const Predictor first = tile_layout::read_predictor(bytes + tile_layout::widths);
   const std::uint8_t* p = bytes + tile_layout::widths + tile_layout::predictor;
   Predictor second = first;
@@ -209,20 +222,18 @@ void decode_tile_scalar(const PackedTile& packed, DepthTile& tile) {
     std::memcpy(&far, p, sizeof far);
     second = tile_layout::read_predictor(p + tile_layout::mask);
     p += tile_layout::mask + tile_layout::predictor;
-  } else if (packed.mode == TileMode::second_order) {
+  } else if (second_order) {
     base = tile_layout::read24(p);
     p += 3;
   }
   for (int row = 0; row < 8; ++row) {
     const int width = tile_layout::width_of(bytes, row);
-    std::uint64_t word = 0;
-    std::memcpy(&word, p, sizeof word);
-    p += width;
     for (int i = 0; i < 8; ++i) {
       const auto at = static_cast<std::size_t>(8 * row + i);
-      const std::uint64_t field = (word >> (i * width)) & ((std::uint64_t{1} << width) - 1);
+      const std::uint64_t field =
+          (tile_layout::half_row(p, width, i / 4) >> (i % 4 * width)) & ((std::uint64_t{1} << width) - 1);
       std::int32_t value = static_cast<std::int32_t>(field) - tile_layout::bias_of(width);
-      if (packed.mode != TileMode::second_order)
+      if (!second_order)
         value += (((far >> at) & 1) != 0 ? second : first).at(i, row);
       else if (row == 0)
         value += first.z + ((i * first.dx) >> tile_layout::fraction_bits);
@@ -232,7 +243,9 @@ void decode_tile_scalar(const PackedTile& packed, DepthTile& tile) {
         value += 2 * static_cast<std::int32_t>(tile[at - 8]) - static_cast<std::int32_t>(tile[at - 16]);
       tile[at] = static_cast<std::uint32_t>(value);
     }
+    p += width;
   }
+  if (packed.mode == TileMode::second_order_turned) tile = turned(tile);
 }
 
 std::size_t dpcm_first_order_bytes(const DepthTile& tile) {

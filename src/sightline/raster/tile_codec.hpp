@@ -1,6 +1,6 @@
 // Lossless compression of 8 x 8 depth tiles of 24 bits (checklist 5.09, 5.14 with E7): first- and second-order DPCM as
 // measures, and a format with a fast decoder that predicts by one plane, by two planes and a mask (silhouettes), or by
-// second differences down the rows (curved surfaces), with a width of the residuals for each row.
+// second differences down the rows or along them (curved surfaces), with a width of the residuals for each row.
 #pragma once
 
 #include <array>
@@ -13,7 +13,9 @@ namespace sightline::raster {
 using DepthTile = std::array<std::uint32_t, 64>;
 inline constexpr std::size_t raw_tile_bytes = 192;  // 64 x 24 bits
 
-enum class TileMode : std::uint8_t { plane, two_planes, second_order, raw };
+/// second_order_turned is second_order on the tile with rows and columns exchanged.
+enum class TileMode : std::uint8_t { plane, two_planes, second_order, second_order_turned, raw };
+inline constexpr std::size_t tile_modes = 5;
 
 struct PackedTile {
   std::array<std::uint8_t, raw_tile_bytes + 32> bytes;  // some room for loads beyond the end

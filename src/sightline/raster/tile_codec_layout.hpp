@@ -9,7 +9,7 @@
 
 namespace sightline::raster::tile_layout {
 
-inline constexpr int most_width = 8;     // bits of a residual
+inline constexpr int most_width = 15;  // bits of a residual
 inline constexpr int fraction_bits = 2;  // of slopes
 inline constexpr std::size_t widths = 4, predictor = 9, mask = 8;
 inline constexpr std::int32_t largest_slope = (1 << 23) - 1;
@@ -29,6 +29,12 @@ inline void write24(std::uint8_t* p, std::int32_t v) {
 /// z is unsigned, slopes are signed.
 inline Predictor read_predictor(const std::uint8_t* p) { return {read24(p) & 0xFFFFFF, read24(p + 3), read24(p + 6)}; }
 inline int width_of(const std::uint8_t* bytes, int row) { return (bytes[row / 2] >> (4 * (row & 1))) & 15; }
+/// The four pixels of half a row, each `width` bits from bit 0 on.
+inline std::uint64_t half_row(const std::uint8_t* row, int width, int half) {
+  std::uint64_t word = 0;
+  std::memcpy(&word, row + (half != 0 ? width >> 1 : 0), sizeof word);
+  return half != 0 ? word >> ((4 * width) & 7) : word;
+}
 inline std::int32_t bias_of(int width) { return width > 0 ? 1 << (width - 1) : 0; }
 
 }  // namespace sightline::raster::tile_layout

@@ -2,6 +2,7 @@
 // depend on the row and on the column alone: r(y) = dx (y - ay) against c(x) = dy (x - ax), with (ax, ay) the lower end
 // of the edge. Rounding keeps order, so corners decide exactly for whole tiles, and both neighbours of an edge compare
 // the same two numbers with opposite signs: no pixel is lost or doubled, without snapping vertices to a grid.
+// More than 400 lines because what is compiled once per target must be one file.
 
 #if defined(SIGHTLINE_RASTER_TILE_KERNELS_INL) == defined(HWY_TARGET_TOGGLE)
 #ifdef SIGHTLINE_RASTER_TILE_KERNELS_INL

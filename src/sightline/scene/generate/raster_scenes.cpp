@@ -48,11 +48,11 @@ SceneAndView spheres_and_floor() {
     const MeshId mesh = builder.add_mesh(bumpy_ball(88, 88, 0.11 * k));
     const glm::dvec3 cell(k % 8, k / 8 % 4, k / 32);
     const glm::dvec3 jitter(random.range(-0.3, 0.3), random.range(-0.2, 0.2), random.range(-0.5, 0.5));
-    builder.add_object(mesh, placed(glm::dvec3(2.4, 2.3, -4.0) * (cell - glm::dvec3(3.5, 1.5, 0)) + jitter, 1.0));
+    builder.add_object(mesh, placed(glm::dvec3(2.4, 2.3, -4.0) * (cell - glm::dvec3(3.5, 1.5, 0)) + jitter, 1.2));
   }
   const MeshId floor = builder.add_mesh(floor_grid(70, 30.0f));
   builder.add_object(floor, placed({0, -5.2, -5}, 1.0));
-  View view = look_along({0, 1.5, 11.5}, {0, -0.12, -1});
+  View view = look_along({0, 1.2, 10.4}, {0, -0.12, -1});
   view.far = 60;
   return {builder.build(), view};
 }
