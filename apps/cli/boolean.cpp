@@ -4,7 +4,6 @@
 #include "json_output.hpp"
 #include "query_options.hpp"
 #include "scene_argument.hpp"
-#include "sightline/geometry/triangulate.hpp"
 #include "sightline/index/bsp_boolean.hpp"
 #include "sightline/raster/scene_polygons.hpp"
 #include "sightline/scene/save/glb.hpp"

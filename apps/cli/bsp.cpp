@@ -125,7 +125,6 @@ Picture plan_picture(const Bsp& bsp, const Plan& plan, int width, int height, bo
       for (int k = 0; k < 3; ++k)
         picture.rgb.push_back(static_cast<std::uint8_t>(base + 28 * std::cos(hue + 2.094 * k)));
     }
-  int label = 0;
   for (const BspFragment& fragment : bsp.fragments) {
     std::vector<glm::dvec3> ends;
     const std::span<const BspCorner> c = bsp.corners_of(fragment);
@@ -142,7 +141,6 @@ Picture plan_picture(const Bsp& bsp, const Plan& plan, int width, int height, bo
     for (std::size_t i = 0; i < name.size(); ++i)
       draw_glyph(picture, name[i], static_cast<int>(0.5 * (a.x + b.x)) + 12 + 16 * static_cast<int>(i),
                  static_cast<int>(0.5 * (a.y + b.y)) - 32, 4);
-    ++label;
   }
   if (example) {  // the eye
     const glm::dvec2 eye = plan.pixel({-4, 0, 1.5});

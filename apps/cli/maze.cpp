@@ -33,13 +33,13 @@ View view_of(const Walker& walker, int width, int height, double fov) {
 
 /// Along the longest free way from the first cell.
 Walker at_the_start(const GridMap& map, const MazeOptions& options) {
-  Walker walker{options.frame_x + 0.5, options.frame_z + 0.5, glm::radians(options.look)};
+  Walker walker{options.start_x + 0.5, options.start_z + 0.5, glm::radians(options.look)};
   if (options.look_given) return walker;
   int longest = -1;
   for (int quarter = 0; quarter < 4; ++quarter) {
     constexpr glm::ivec2 ways[] = {{1, 0}, {0, 1}, {-1, 0}, {0, -1}};
     int free = 0;
-    while (map.at(options.frame_x + (free + 1) * ways[quarter].x, options.frame_z + (free + 1) * ways[quarter].y) ==
+    while (map.at(options.start_x + (free + 1) * ways[quarter].x, options.start_z + (free + 1) * ways[quarter].y) ==
                0 &&
            free < 1000)
       ++free;

@@ -41,7 +41,7 @@ struct MazeOptions {
   int width = 960, height = 600;
   double fov = 55.0;             // vertical, degrees
   double look = 0.0;             // degrees, 0 along +x, turning right
-  int frame_x = 1, frame_z = 1;  // the cell that the eye stands in
+  int start_x = 1, start_z = 1;  // the cell that the eye stands in
   bool look_given = false;
   bool fisheye = false;
   bool play = false;

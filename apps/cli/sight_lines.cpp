@@ -1,6 +1,7 @@
 // sightline sight-lines: whether points see each other, and if not, which object blocks where.
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <charconv>
 #include <chrono>
 #include <cmath>

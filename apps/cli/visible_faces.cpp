@@ -137,8 +137,9 @@ int run_visible_faces(const VisibleFacesOptions& options) {
     const auto row = table.seen.begin() + static_cast<std::ptrdiff_t>(camera * table.faces);
     std::size_t seen = 0;
     for (std::size_t face = 0; face < table.faces; ++face) {
-      seen += row[static_cast<std::ptrdiff_t>(face)];
-      any[face] |= row[static_cast<std::ptrdiff_t>(face)];
+      if (row[static_cast<std::ptrdiff_t>(face)] == 0) continue;
+      ++seen;
+      any[face] = 1;
     }
     json["cameras"].push_back({{"name", cameras[camera].name}, {"faces_seen", seen}});
   }

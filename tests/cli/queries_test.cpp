@@ -42,8 +42,7 @@ constexpr const char* two_cameras = R"({"cameras": [
 TEST_F(Queries, VisibleFacesOfTwoCubes) {
   cameras(two_cameras);
   std::vector<std::string> words = faces("faces.json");
-  words.emplace_back("--samples");
-  words.insert(words.end(), {"--json", "-"});
+  for (const char* word : {"--samples", "--json", "-"}) words.emplace_back(word);
   const Outcome outcome = run(words);
   ASSERT_EQ(outcome.code, 0) << outcome.err;
   EXPECT_EQ(outcome.json().at("faces"), 24);
@@ -121,7 +120,7 @@ TEST_F(Queries, BadCamerasAreNamedByTheirPlace) {
   refuse("{" + good + R"("rotation": [2,0,0,0,1,0,0,0,1], "translation": [0,0,0]})", "orthonormal");
   refuse("{" + good + R"("rotation": [1,0,0,0,1,0,0,0,-1], "translation": [0,0,0]})", "mirrors");
   refuse("{" + good + R"("near": 5, "far": 4, )" + pose + "}", "far");
-  refuse("{" + good + "}", "pose");
+  refuse("{" + good + "\"cx\": 4}", "pose");
   refuse("7", "cameras[0]");
   cameras("{\"cameras\": [");
   expect_complaint(faces("x.npy"), 3, "cameras.json: JSON line 1");

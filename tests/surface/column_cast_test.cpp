@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "sightline/oracle/oracle.hpp"
@@ -108,7 +109,7 @@ TEST(ColumnCast, MazesAreClosedAndConnected) {
       if (reached[map.index(p.x, p.y)] != 0) continue;
       reached[map.index(p.x, p.y)] = 1;
       ++count;
-      for (const glm::ivec2& d : {glm::ivec2(1, 0), {-1, 0}, {0, 1}, {0, -1}})
+      for (const glm::ivec2& d : {glm::ivec2(1, 0), glm::ivec2(-1, 0), glm::ivec2(0, 1), glm::ivec2(0, -1)})
         if (map.at(p.x + d.x, p.y + d.y) == 0) stack.push_back(p + d);
     }
     EXPECT_EQ(count, static_cast<std::size_t>(std::count(map.walls.begin(), map.walls.end(), 0)));

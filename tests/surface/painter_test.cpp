@@ -1,6 +1,9 @@
 // The painters: cyclic overlap and penetration, the orders of sorting, fragments, limits.
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <array>
+
 #include "agreement/cases.hpp"
 #include "sightline/oracle/oracle.hpp"
 #include "sightline/registry.hpp"
@@ -85,7 +88,7 @@ TEST(Painter, SortableSceneIsRight) {
 }
 
 TEST(Painter, CyclicOverlapAndPenetrationNeedCuts) {
-  const View view = view_from({0, 0, 6}, {0, 0, -1});
+  const View view = view_from({0, 0, 6}, {0, 0, -1}, 600, 450);
   const Scene scenes[] = {cyclic(), crossing()};
   for (const Scene& scene : scenes) {
     for (const char* key : {"farthest", "centroid", "nearest"})
