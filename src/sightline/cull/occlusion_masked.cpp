@@ -5,6 +5,7 @@
 
 #include "sightline/parallel/parallel.hpp"
 #include "sightline/raster/occlusion_buffer.hpp"
+#include "sightline/scene/occludee_bounds.hpp"
 
 namespace sightline {
 namespace {
@@ -20,6 +21,7 @@ class OcclusionMasked final : public Culler {
     parallel_blocks(meshes_.size(), 4, [&](std::size_t begin, std::size_t end) {
       for (std::size_t i = begin; i < end; ++i) prepare(i);
     });
+    if (config.tight > 1.0) tight_ = OccludeeBounds(scene.scene, {.sigma = config.tight});
   }
 
   void cull(const View& view, const VisibleSet& candidates, VisibleSet& visible, Counters& counters) override {
@@ -160,13 +162,20 @@ class OcclusionMasked final : public Culler {
     ++counters.boxes_tested;
     if (outside(frustum_, box, planes)) return;
     ++counters.queries;
-    if (buffer_.may_be_seen(box)) visible.insert(id);
+    if (!buffer_.may_be_seen(box)) return;
+    if (!tight_.empty() && tight_.boxes(id).size() > 1 && !tight_.any(id, [&](const Aabb& part) {
+          ++counters.queries;
+          return buffer_.may_be_seen(part);
+        }))
+      return;
+    visible.insert(id);
   }
 
   const Scene& scene_;
   const Bvh& bvh_;
   OcclusionMaskedConfig config_;
   OcclusionBuffer buffer_;
+  OccludeeBounds tight_;  // empty without
   std::vector<OccluderMesh> meshes_;  // by mesh id; empty where it can never fit the budget
   Frustum frustum_;
   std::vector<Visit> stack_;
@@ -181,6 +190,7 @@ std::unique_ptr<Culler> make_occlusion_masked(const IndexedScene& scene, Paramet
   parameters.read("triangles", config.triangles, 0, 1 << 30);
   parameters.read("min_size", config.min_size, 0.0, 1e6);
   parameters.read("scalar", config.scalar);
+  parameters.read("tight", config.tight, 1.0, 100.0);
   parameters.finish();
   return std::make_unique<OcclusionMasked>(scene, config);
 }

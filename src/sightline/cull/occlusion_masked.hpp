@@ -15,6 +15,7 @@ struct OcclusionMaskedConfig {
   int triangles = 60000;    // budget of occluder triangles per frame
   double min_size = 12;     // view pixels: objects whose sphere looks smaller hide too little to be drawn
   bool scalar = false;      // run the one-lane reference loops; the answer is the same
+  double tight = 1.0;       // sigma of tight occludee bounds (scene/occludee_bounds), 1 for one box per object
 };
 
 std::unique_ptr<Culler> make_occlusion_masked(const IndexedScene& scene, ParameterReader& parameters);

@@ -1,0 +1,41 @@
+#include "sightline/core/face_culler.hpp"
+
+#include <bit>
+
+namespace sightline {
+
+std::span<std::uint64_t> FaceSet::add(ObjectId object, std::size_t triangles, bool all) {
+  const std::size_t first = words_.size(), count = (triangles + 63) / 64;
+  parts_.push_back({object, static_cast<std::uint32_t>(triangles), first});
+  words_.resize(first + count, all ? ~std::uint64_t{0} : 0);
+  if (all && triangles % 64 != 0) words_.back() = (std::uint64_t{1} << (triangles % 64)) - 1;
+  return {words_.data() + first, count};
+}
+
+std::size_t FaceSet::count(const Part& part) const {
+  std::size_t total = 0;
+  for (std::size_t w = 0; w < (std::size_t{part.triangles} + 63) / 64; ++w)
+    total += static_cast<std::size_t>(std::popcount(words_[part.first_word + w]));
+  return total;
+}
+
+std::size_t FaceSet::count() const {
+  std::size_t total = 0;
+  for (const std::uint64_t word : words_) total += static_cast<std::size_t>(std::popcount(word));
+  return total;
+}
+
+void set_bits(std::span<std::uint64_t> words, std::size_t begin, std::size_t end) {
+  if (begin >= end) return;
+  const std::size_t first = begin >> 6, last = (end - 1) >> 6;
+  const std::uint64_t low = ~std::uint64_t{0} << (begin & 63), high = ~std::uint64_t{0} >> (63 - ((end - 1) & 63));
+  if (first == last) {
+    words[first] |= low & high;
+    return;
+  }
+  words[first] |= low;
+  for (std::size_t w = first + 1; w < last; ++w) words[w] = ~std::uint64_t{0};
+  words[last] |= high;
+}
+
+}  // namespace sightline
