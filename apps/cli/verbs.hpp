@@ -10,5 +10,9 @@ int run_list(const ListOptions& options);
 int run_generate(const GenerateOptions& options);
 int run_walk(const WalkOptions& options);
 int run_render(const RenderOptions& options);
+int run_faces(const FacesOptions& options);
+int run_bounds(const BoundsOptions& options);
+int run_sigma(const SigmaOptions& options);
+int run_detail(const DetailOptions& options);
 
 }  // namespace sightline::cli

@@ -25,17 +25,4 @@ std::size_t FaceSet::count() const {
   return total;
 }
 
-void set_bits(std::span<std::uint64_t> words, std::size_t begin, std::size_t end) {
-  if (begin >= end) return;
-  const std::size_t first = begin >> 6, last = (end - 1) >> 6;
-  const std::uint64_t low = ~std::uint64_t{0} << (begin & 63), high = ~std::uint64_t{0} >> (63 - ((end - 1) & 63));
-  if (first == last) {
-    words[first] |= low & high;
-    return;
-  }
-  words[first] |= low;
-  for (std::size_t w = first + 1; w < last; ++w) words[w] = ~std::uint64_t{0};
-  words[last] |= high;
-}
-
 }  // namespace sightline

@@ -7,6 +7,7 @@
 
 #include "sightline/core/counters.hpp"
 #include "sightline/core/visible_set.hpp"
+#include "sightline/geometry/bit_range.hpp"
 #include "sightline/scene/solid.hpp"
 #include "sightline/scene/view.hpp"
 
@@ -40,9 +41,6 @@ class FaceSet {
   std::vector<Part> parts_;
   std::vector<std::uint64_t> words_;
 };
-
-/// Sets bits [begin, end).
-void set_bits(std::span<std::uint64_t> words, std::size_t begin, std::size_t end);
 
 /// A face culler is made for one scene; one object serves one thread at a time.
 class FaceCuller {

@@ -1,7 +1,5 @@
 #include "sightline/core/mesh_face_culler.hpp"
 
-#include <bit>
-
 #include "sightline/parallel/parallel.hpp"
 
 namespace sightline {
@@ -22,10 +20,7 @@ void MeshFaceCuller::cull(const View& view, const VisibleSet& objects, FaceSet& 
     if (object.opaque && solidity_[object.mesh] == Solidity::solid) eye = mesh_eye(view, object, mesh);
     const std::span<std::uint64_t> bits = kept.add(id, mesh.triangles.size(), !eye.valid);
     if (!eye.valid) continue;
-    cull_mesh(object, eye, bits, counters);
-    std::size_t left = 0;
-    for (const std::uint64_t word : bits) left += static_cast<std::size_t>(std::popcount(word));
-    counters.faces_culled += mesh.triangles.size() - left;
+    counters.faces_culled += cull_mesh(object, eye, bits, counters);
   }
 }
 

@@ -17,9 +17,9 @@ class MeshFaceCuller : public FaceCuller {
  protected:
   /// Told once for each view, before its meshes.
   virtual void begin(const View&) {}
-  /// Sets the bits of the triangles that are kept; all are clear.
-  virtual void cull_mesh(const Object& object, const MeshEye& eye, std::span<std::uint64_t> kept,
-                         Counters& counters) = 0;
+  /// Sets the bits of the triangles that are kept; all are clear. Returns how many are not.
+  virtual std::size_t cull_mesh(const Object& object, const MeshEye& eye, std::span<std::uint64_t> kept,
+                                Counters& counters) = 0;
   [[nodiscard]] const Scene& scene() const { return scene_; }
 
  private:

@@ -28,11 +28,12 @@ class Backface final : public MeshFaceCuller {
   }
 
  private:
-  void cull_mesh(const Object& object, const MeshEye& eye, std::span<std::uint64_t> kept, Counters& counters) override {
+  std::size_t cull_mesh(const Object& object, const MeshEye& eye, std::span<std::uint64_t> kept,
+                        Counters& counters) override {
     const FacePlanes& planes = planes_[object.mesh];
     const float slack = eye.slack + eye.sharpness / planes.extent;
-    (scalar_ ? front_faces_scalar : front_faces)(planes, eye.eye, slack, kept.data());
     counters.faces_tested += planes.count;
+    return (scalar_ ? front_faces_scalar : front_faces)(planes, eye.eye, slack, kept.data());
   }
 
   bool scalar_;

@@ -34,11 +34,13 @@ class ClusterBackface final : public MeshFaceCuller {
   }
 
  private:
-  void cull_mesh(const Object& object, const MeshEye& eye, std::span<std::uint64_t> kept, Counters& counters) override {
+  std::size_t cull_mesh(const Object& object, const MeshEye& eye, std::span<std::uint64_t> kept,
+                        Counters& counters) override {
     ClusterCounts counts;
     (scalar_ ? front_clusters_scalar : front_clusters)(trees_[object.mesh], eye.eye, eye.slack, eye.sharpness, kept,
                                                        counts);
     counters.clusters_tested += counts.tested;
+    return counts.culled;
   }
 
   bool scalar_;

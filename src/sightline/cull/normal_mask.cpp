@@ -135,7 +135,8 @@ class NormalMask final : public MeshFaceCuller {
                                   .direction);
   }
 
-  void cull_mesh(const Object& object, const MeshEye& eye, std::span<std::uint64_t> kept, Counters& counters) override {
+  std::size_t cull_mesh(const Object& object, const MeshEye& eye, std::span<std::uint64_t> kept,
+                        Counters& counters) override {
     const ClassifiedMesh& mesh = meshes_[object.mesh];
     const std::size_t count = scene().meshes()[object.mesh].triangles.size();
     glm::dmat3 inverse;
@@ -144,13 +145,14 @@ class NormalMask final : public MeshFaceCuller {
     const double margin = 4e-6 + (far > 0.0 && mesh.height > 0.0 ? angle_slack(object, mesh.height) : 2.0);
     if (mesh.bit_mask.empty() || margin >= 1.0 || !inverse_linear(object.transform, inverse)) {
       set_bits(kept, 0, count);
-      return;
+      return 0;
     }
     local_.clear();
     for (const glm::dvec3& direction : directions_) local_.emplace_back(glm::normalize(inverse * direction));
     back_masks(cube_, local_, config_.sectors, static_cast<float>(margin), masks_);
     counters.clusters_tested += static_cast<std::uint64_t>(cube_.classes()) * (local_.size() == 1 ? 1 : masks_.size());
     counters.faces_tested += count;
+    std::size_t culled = 0;
     const glm::dmat4 to_image = image_ * to_matrix(object.transform);
     for (const Chunk& chunk : mesh.chunks) {
       BackMask mask;
@@ -158,10 +160,11 @@ class NormalMask final : public MeshFaceCuller {
         set_bits(kept, chunk.begin, chunk.end);
         continue;
       }
-      (config_.scalar ? front_by_mask_scalar : front_by_mask)(
+      culled += (config_.scalar ? front_by_mask_scalar : front_by_mask)(
           mesh.byte_offset.data() + chunk.begin, mesh.bit_mask.data() + chunk.begin, chunk.end - chunk.begin, mask,
           kept.data() + chunk.begin / 64);
     }
+    return culled;
   }
 
   /// How far a normal may turn when the corners of a triangle of this least height are rounded in world space.

@@ -175,7 +175,7 @@ class OcclusionMasked final : public Culler {
   const Bvh& bvh_;
   OcclusionMaskedConfig config_;
   OcclusionBuffer buffer_;
-  OccludeeBounds tight_;  // empty without
+  OccludeeBounds tight_;              // empty without
   std::vector<OccluderMesh> meshes_;  // by mesh id; empty where it can never fit the budget
   Frustum frustum_;
   std::vector<Visit> stack_;

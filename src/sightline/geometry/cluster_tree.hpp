@@ -40,7 +40,8 @@ ClusterTree build_cluster_tree(std::span<const glm::vec3> positions, std::span<c
                                const glm::vec3& origin, const ClusterTreeConfig& config = {});
 
 struct ClusterCounts {
-  std::uint64_t tested = 0;
+  std::uint64_t tested = 0;  // clusters
+  std::uint64_t culled = 0;  // triangles
 };
 
 /// Sets the bits of all places but those of clusters that turn their backs for sure by more than slack + sharpness *

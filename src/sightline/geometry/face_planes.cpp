@@ -13,11 +13,12 @@ namespace sightline::HWY_NAMESPACE {
 
 namespace hn = hwy::HWY_NAMESPACE;
 
-void front_faces_simd(const FacePlanes& planes, const glm::vec4& eye, float slack, std::uint64_t* kept) {
+std::size_t front_faces_simd(const FacePlanes& planes, const glm::vec4& eye, float slack, std::uint64_t* kept) {
   const hn::CappedTag<float, 16> d;
   const std::size_t lanes = hn::Lanes(d);
   const auto ex = hn::Set(d, eye.x), ey = hn::Set(d, eye.y), ez = hn::Set(d, eye.z), ew = hn::Set(d, eye.w);
   const auto limit = hn::Set(d, -slack);
+  std::size_t culled = 0;
   for (std::size_t first = 0; first < planes.count; first += 64) {
     std::uint64_t back = 0;
     for (std::size_t k = 0; k < 64; k += lanes) {
@@ -31,8 +32,10 @@ void front_faces_simd(const FacePlanes& planes, const glm::vec4& eye, float slac
       back |= static_cast<std::uint64_t>(bytes[0] | (bytes[1] << 8)) << k;
     }
     kept[first / 64] = ~back;
+    culled += hwy::PopCount(back);  // the padding is kept
   }
   if (planes.count % 64 != 0) kept[planes.count / 64] &= (std::uint64_t{1} << (planes.count % 64)) - 1;
+  return culled;
 }
 
 }  // namespace sightline::HWY_NAMESPACE
@@ -79,20 +82,23 @@ FacePlanes make_face_planes(std::span<const glm::vec3> positions, std::span<cons
   return planes;
 }
 
-void front_faces(const FacePlanes& planes, const glm::vec4& eye, float slack, std::uint64_t* kept) {
-  HWY_DYNAMIC_DISPATCH(front_faces_simd)(planes, eye, slack, kept);
+std::size_t front_faces(const FacePlanes& planes, const glm::vec4& eye, float slack, std::uint64_t* kept) {
+  return HWY_DYNAMIC_DISPATCH(front_faces_simd)(planes, eye, slack, kept);
 }
 
-void front_faces_scalar(const FacePlanes& planes, const glm::vec4& eye, float slack, std::uint64_t* kept) {
+std::size_t front_faces_scalar(const FacePlanes& planes, const glm::vec4& eye, float slack, std::uint64_t* kept) {
+  std::size_t culled = 0;
   for (std::size_t first = 0; first < planes.count; first += 64) {
     std::uint64_t word = 0;
     const std::size_t end = std::min(planes.count, first + 64);
     for (std::size_t i = first; i < end; ++i) {
       const float side = planes.x[i] * eye.x + planes.y[i] * eye.y + planes.z[i] * eye.z - planes.offset[i] * eye.w;
       word |= static_cast<std::uint64_t>(side <= -slack ? 0 : 1) << (i - first);
+      culled += side <= -slack ? 1 : 0;
     }
     kept[first / 64] = word;
   }
+  return culled;
 }
 
 }  // namespace sightline

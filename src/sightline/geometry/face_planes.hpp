@@ -31,8 +31,8 @@ FacePlanes make_face_planes(std::span<const glm::vec3> positions, std::span<cons
                             const glm::vec3& origin, std::span<const std::uint32_t> order = {});
 
 /// Bit i of `kept` (64 to a word, ceil(count / 64) words) is clear iff n . eye.xyz - offset * eye.w <= -slack for the
-/// scaled plane i: with slack > 0 a triangle without area is kept.
-void front_faces(const FacePlanes& planes, const glm::vec4& eye, float slack, std::uint64_t* kept);
-void front_faces_scalar(const FacePlanes& planes, const glm::vec4& eye, float slack, std::uint64_t* kept);
+/// scaled plane i: with slack > 0 a triangle without area is kept. Returns how many bits are clear.
+std::size_t front_faces(const FacePlanes& planes, const glm::vec4& eye, float slack, std::uint64_t* kept);
+std::size_t front_faces_scalar(const FacePlanes& planes, const glm::vec4& eye, float slack, std::uint64_t* kept);
 
 }  // namespace sightline

@@ -15,14 +15,14 @@ namespace sightline::HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
 #if HWY_TARGET == HWY_SCALAR
-void front_by_mask_simd(const std::uint8_t* byte_offset, const std::uint8_t* bit_mask, std::size_t count,
-                        const BackMask& mask, std::uint64_t* kept) {
-  front_by_mask_scalar(byte_offset, bit_mask, count, mask, kept);
+std::size_t front_by_mask_simd(const std::uint8_t* byte_offset, const std::uint8_t* bit_mask, std::size_t count,
+                               const BackMask& mask, std::uint64_t* kept) {
+  return front_by_mask_scalar(byte_offset, bit_mask, count, mask, kept);
 }
 #else
 /// The mask lies in registers, 16 bytes each; a table look-up by bytes gives 0 for offsets that belong to another one.
-void front_by_mask_simd(const std::uint8_t* byte_offset, const std::uint8_t* bit_mask, std::size_t count,
-                        const BackMask& mask, std::uint64_t* kept) {
+std::size_t front_by_mask_simd(const std::uint8_t* byte_offset, const std::uint8_t* bit_mask, std::size_t count,
+                               const BackMask& mask, std::uint64_t* kept) {
   const hn::CappedTag<std::uint8_t, 64> d;
   const std::size_t lanes = hn::Lanes(d);
   std::uint8_t blocks[16];  // those with a bit set: about half of a view's mask is empty
@@ -32,6 +32,7 @@ void front_by_mask_simd(const std::uint8_t* byte_offset, const std::uint8_t* bit
                     mask.begin() + static_cast<std::ptrdiff_t>(16 * block + 16), [](std::uint8_t b) { return b != 0; }))
       blocks[used++] = static_cast<std::uint8_t>(block);
   const auto overflow = hn::Set(d, std::uint8_t{0x70});
+  std::size_t culled_polygons = 0;
   for (std::size_t first = 0; first < count; first += 64) {
     std::uint8_t bytes[16] = {};
     for (std::size_t k = 0; k < 64; k += lanes) {
@@ -46,9 +47,13 @@ void front_by_mask_simd(const std::uint8_t* byte_offset, const std::uint8_t* bit
       const auto culled = hn::And(found, hn::LoadU(d, bit_mask + first + k));
       hn::StoreMaskBits(d, hn::Eq(culled, hn::Zero(d)), bytes + k / 8);
     }
-    std::memcpy(kept + first / 64, bytes, 8);
+    std::uint64_t word;
+    std::memcpy(&word, bytes, 8);
+    if (count - first < 64) word &= (std::uint64_t{1} << (count - first)) - 1;
+    kept[first / 64] = word;
+    culled_polygons += std::min<std::size_t>(64, count - first) - hwy::PopCount(word);
   }
-  if (count % 64 != 0) kept[count / 64] &= (std::uint64_t{1} << (count % 64)) - 1;
+  return culled_polygons;
 }
 #endif
 
@@ -138,20 +143,25 @@ void back_masks(const DirectionCube& cube, std::span<const glm::vec3> directions
     }
 }
 
-void front_by_mask(const std::uint8_t* byte_offset, const std::uint8_t* bit_mask, std::size_t count,
-                   const BackMask& mask, std::uint64_t* kept) {
-  HWY_DYNAMIC_DISPATCH(front_by_mask_simd)(byte_offset, bit_mask, count, mask, kept);
+std::size_t front_by_mask(const std::uint8_t* byte_offset, const std::uint8_t* bit_mask, std::size_t count,
+                          const BackMask& mask, std::uint64_t* kept) {
+  return HWY_DYNAMIC_DISPATCH(front_by_mask_simd)(byte_offset, bit_mask, count, mask, kept);
 }
 
-void front_by_mask_scalar(const std::uint8_t* byte_offset, const std::uint8_t* bit_mask, std::size_t count,
-                          const BackMask& mask, std::uint64_t* kept) {
+std::size_t front_by_mask_scalar(const std::uint8_t* byte_offset, const std::uint8_t* bit_mask, std::size_t count,
+                                 const BackMask& mask, std::uint64_t* kept) {
+  std::size_t culled = 0;
   for (std::size_t first = 0; first < count; first += 64) {
     std::uint64_t word = 0;
     const std::size_t end = std::min(count, first + 64);
-    for (std::size_t i = first; i < end; ++i)
-      word |= static_cast<std::uint64_t>((mask[byte_offset[i]] & bit_mask[i]) == 0 ? 1 : 0) << (i - first);
+    for (std::size_t i = first; i < end; ++i) {
+      const bool back = (mask[byte_offset[i]] & bit_mask[i]) != 0;
+      word |= static_cast<std::uint64_t>(back ? 0 : 1) << (i - first);
+      culled += back ? 1 : 0;
+    }
     kept[first / 64] = word;
   }
+  return culled;
 }
 
 }  // namespace sightline

@@ -48,9 +48,10 @@ void back_masks(const DirectionCube& cube, std::span<const glm::vec3> directions
                 std::span<BackMask> masks);
 
 /// Bit i of `kept` is set unless polygon i of the arrays is culled by the mask. Arrays are padded to a multiple of 64.
-void front_by_mask(const std::uint8_t* byte_offset, const std::uint8_t* bit_mask, std::size_t count,
-                   const BackMask& mask, std::uint64_t* kept);
-void front_by_mask_scalar(const std::uint8_t* byte_offset, const std::uint8_t* bit_mask, std::size_t count,
+/// Returns how many bits are clear.
+std::size_t front_by_mask(const std::uint8_t* byte_offset, const std::uint8_t* bit_mask, std::size_t count,
                           const BackMask& mask, std::uint64_t* kept);
+std::size_t front_by_mask_scalar(const std::uint8_t* byte_offset, const std::uint8_t* bit_mask, std::size_t count,
+                                 const BackMask& mask, std::uint64_t* kept);
 
 }  // namespace sightline
