@@ -42,7 +42,7 @@ void print_text() {
     checklist = std::max(checklist, row.checklist.size());
   }
   for (const Generator& row : generators()) name = std::max(name, row.name.size());
-  const auto line = [&](auto... cells) { fmt::print("{:<{}}  {:<8}  {:<23}  {:<{}}  {:<{}}  {}\n", cells...); };
+  const auto line = [&](auto... cells) { fmt::print("{:<{}}  {:<11}  {:<23}  {:<{}}  {:<{}}  {}\n", cells...); };
   line("name", name, "family", "promise", "paper", paper, "checklist", checklist, "summary");
   for (const Algorithm& row : algorithms())
     line(row.name, name, to_string(row.family), to_string(row.promise), row.paper, paper, row.checklist, checklist,

@@ -27,6 +27,8 @@ Verb view_command(CLI::App& app);
 Verb render_command(CLI::App& app);
 Verb raster_report_command(CLI::App& app);
 Verb occluders_command(CLI::App& app);
+Verb bounds_command(CLI::App& app);
+Verb sigma_command(CLI::App& app);
 Verb visible_faces_command(CLI::App& app);
 Verb sight_lines_command(CLI::App& app);
 Verb maze_command(CLI::App& app);
@@ -34,14 +36,33 @@ Verb completion_command(CLI::App& app);
 Verb manual_command(CLI::App& app);
 Verb bsp_command(CLI::App& app);
 Verb boolean_command(CLI::App& app);
+Verb detail_command(CLI::App& app);
+Verb faces_command(CLI::App& app);
 
 namespace {
 
 constexpr Verb (*commands[])(CLI::App&) = {
-    info_command,          list_command,        generate_command, walk_command,          compare_command,
-    explain_command,       view_command,        render_command,   raster_report_command, occluders_command,
-    visible_faces_command, sight_lines_command, maze_command,     completion_command,    manual_command,
-    bsp_command,           boolean_command,
+    info_command,
+    list_command,
+    generate_command,
+    walk_command,
+    compare_command,
+    explain_command,
+    view_command,
+    render_command,
+    raster_report_command,
+    occluders_command,
+    bounds_command,
+    sigma_command,
+    visible_faces_command,
+    sight_lines_command,
+    maze_command,
+    completion_command,
+    manual_command,
+    bsp_command,
+    boolean_command,
+    detail_command,
+    faces_command,
 };
 
 /// CLI11 names neither a verb that it does not know nor those that there are.

@@ -167,4 +167,39 @@ struct RasterReportOptions {
   std::string output;    // folder for plots and pictures, empty for none
 };
 
+struct FacesOptions {
+  CommonOptions common;
+  std::string scene;
+  std::vector<std::string> methods;  // face cullers; empty for all of the registry
+  PathOptions path{"", 12};
+  CameraOptions camera;
+  std::string mask;    // picture of a normal mask, empty for none
+  std::string volume;  // picture of a culling volume, empty for none
+};
+
+struct BoundsOptions {
+  CommonOptions common;
+  std::string scene;
+  PathOptions path{"", 24};
+  CameraOptions camera;
+};
+
+struct DetailOptions {
+  CommonOptions common;
+  std::string scene;
+  std::string method = "detail:pixels=25";
+  PathOptions path{"", 24};
+  CameraOptions camera;
+  std::string output;  // pair of pictures of the frame with the most lost pixels, empty for none
+};
+
+struct SigmaOptions {
+  CommonOptions common;
+  std::string scene;
+  std::vector<double> sigmas{1.0, 1.1, 1.2, 1.4, 1.6, 2.0, 3.0, 5.0};
+  PathOptions path{"", 24};
+  CameraOptions camera;
+  std::string output;  // picture of the boxes at the sigma of 24.06, empty for none
+};
+
 }  // namespace sightline::cli

@@ -15,5 +15,9 @@ int run_explain(const ExplainOptions& options);
 int run_compare(const CompareOptions& options);
 int run_occluders(const OccludersOptions& options);
 int run_raster_report(const RasterReportOptions& options);
+int run_faces(const FacesOptions& options);
+int run_bounds(const BoundsOptions& options);
+int run_sigma(const SigmaOptions& options);
+int run_detail(const DetailOptions& options);
 
 }  // namespace sightline::cli

@@ -43,6 +43,19 @@ std::size_t distinct_missed(const WalkRun& run) {
   return static_cast<std::size_t>(std::unique(ids.begin(), ids.end()) - ids.begin());
 }
 
+/// The error measure of approximate methods: pixels (samples) whose nearest surface was dropped.
+std::string lost_words(const WalkReport& report, const WalkRun& run) {
+  std::uint64_t lost = 0, worst = 0;
+  for (const WalkAnswer& answer : run.answers) {
+    lost += answer.missed_samples;
+    worst = std::max(worst, answer.missed_samples);
+  }
+  const double samples = static_cast<double>(report.width) * report.height * report.samples * report.samples;
+  return fmt::format(", {:.1f} of {:.0f} pixels lost a frame, at most {}",
+                     static_cast<double>(lost) / static_cast<double>(std::max<std::size_t>(run.answers.size(), 1)),
+                     samples, worst);
+}
+
 std::string missed_words(const WalkReport& report, const WalkRun& run) {
   std::size_t frames = 0, first = 0, missed = 0;
   for (std::size_t i = run.answers.size(); i-- > 0;) {
@@ -54,6 +67,7 @@ std::string missed_words(const WalkReport& report, const WalkRun& run) {
   std::string words = fmt::format(
       "{} times something visible was missed ({} objects in {} of {} frames, first object {} in frame {})", missed,
       distinct_missed(run), frames, run.answers.size(), run.answers[first].missed.front(), report.views[first].frame);
+  if (run.promise == Promise::approximate) words += lost_words(report, run);
   if (report.samples > 1 && run.promise != Promise::conservative_continuous)
     words += fmt::format(" by {0} x {0} rays a pixel, where the promise is for pixel centres", report.samples);
   return words;

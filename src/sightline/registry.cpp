@@ -3,6 +3,10 @@
 #include <array>
 #include <string>
 
+#include "sightline/cull/backface.hpp"
+#include "sightline/cull/cluster_backface.hpp"
+#include "sightline/cull/detail.hpp"
+#include "sightline/cull/frustum_bounds.hpp"
 #include "sightline/cull/frustum_hierarchical.hpp"
 #include "sightline/cull/frustum_linear.hpp"
 #include "sightline/cull/none.hpp"
@@ -10,6 +14,7 @@
 #include "sightline/cull/occlusion_horizon.hpp"
 #include "sightline/cull/occlusion_hzb.hpp"
 #include "sightline/cull/occlusion_map.hpp"
+#include "sightline/cull/normal_mask.hpp"
 #include "sightline/cull/occlusion_masked.hpp"
 #include "sightline/cull/occlusion_virtual.hpp"
 #include "sightline/scene/input_error.hpp"
@@ -23,6 +28,14 @@ namespace sightline {
 namespace {
 
 constexpr auto cont = Promise::conservative_continuous;
+
+constexpr Algorithm face_culler(std::string_view name, std::string_view summary, std::string_view paper,
+                                std::string_view checklist,
+                                std::unique_ptr<FaceCuller> (*make)(const IndexedScene&, ParameterReader&)) {
+  Algorithm row{name, Family::face_culler, cont, summary, paper, checklist};
+  row.make_face_culler = make;
+  return row;
+}
 
 constexpr std::array rows{
     // Culling of objects.
@@ -45,6 +58,17 @@ constexpr std::array rows{
               "Staneker 2003", "22.11 22.12", make_occlusion_map},
     Algorithm{"occlusion_virtual", Family::culler, Promise::approximate,
               "boxes sampled sparsely against what was drawn", "Bartz 1999", "5.19 21.07", make_occlusion_virtual},
+    Algorithm{"frustum_bounds", Family::culler, cont, "a bounding volume of choice against the frustum, one by one",
+              "Clark 1976; Klosowski 1998", "20.02-20.06 20.10-20.16 20.19", make_frustum_bounds},
+    Algorithm{"detail", Family::culler, Promise::approximate, "drops what looks smaller than so many pixels", "-",
+              "26.01-26.04", make_detail},
+
+    // Culling of faces.
+    face_culler("backface", "every triangle's plane against the eye", "-", "17.01-17.09", make_backface),
+    face_culler("normal_mask", "classes of normals, one bit each, looked up per triangle", "Zhang and Hoff 1997",
+                "18.01-18.11", make_normal_mask),
+    face_culler("cluster_backface", "a hierarchy of clusters that turn their backs or faces as one",
+                "Johannsen and Carter 1998; Kumar 1996", "19.01-19.17", make_cluster_backface),
 
     // Visible surfaces.
     Algorithm{"zbuffer", Family::renderer, Promise::exact, "per pixel the nearest surface, every triangle drawn",
@@ -89,6 +113,12 @@ std::unique_ptr<Renderer> make_renderer(std::string_view text, const IndexedScen
   const MethodSpec spec = parse_method(text);
   ParameterReader reader(spec);
   return find_algorithm(spec.name, Family::renderer).make_renderer(scene, reader);
+}
+
+std::unique_ptr<FaceCuller> make_face_culler(std::string_view text, const IndexedScene& scene) {
+  const MethodSpec spec = parse_method(text);
+  ParameterReader reader(spec);
+  return find_algorithm(spec.name, Family::face_culler).make_face_culler(scene, reader);
 }
 
 }  // namespace sightline

@@ -16,5 +16,6 @@ const Algorithm& find_algorithm(std::string_view name, Family family);
 /// Makes the culler or renderer that `text` ("name[:key=value]...") asks for. Throws InputError.
 std::unique_ptr<Culler> make_culler(std::string_view text, const IndexedScene& scene);
 std::unique_ptr<Renderer> make_renderer(std::string_view text, const IndexedScene& scene);
+std::unique_ptr<FaceCuller> make_face_culler(std::string_view text, const IndexedScene& scene);
 
 }  // namespace sightline

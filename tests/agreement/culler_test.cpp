@@ -21,7 +21,7 @@ std::vector<Contender> contenders() {
   for (const Algorithm& row : algorithms())
     if (row.family == Family::culler) all.push_back({std::string(row.name), row.promise});
   for (const char* setting : {"resolution=0.25", "resolution=1:min_size=0:triangles=1000000", "resolution=0.11",
-                              "resolution=2", "scalar=on:min_size=1"})
+                              "resolution=2", "scalar=on:min_size=1", "tight=1.4", "tight=4:resolution=1"})
     all.push_back({std::string("occlusion_masked:") + setting, Promise::conservative_continuous});
   for (const char* setting :
        {"occlusion_masked:occluders=auto:min_size=1", "occlusion_masked:occluders=auto:auto_budget=100000:resolution=1",
@@ -34,6 +34,9 @@ std::vector<Contender> contenders() {
   for (const char* setting : {"occlusion_hzb:pixels=30", "occlusion_hom:opacity=0.7:holes=9",
                               "occlusion_horizon:occluders=boxes", "occlusion_virtual:step=64:pixels=2"})
     all.push_back({setting, Promise::approximate});
+       {"bound=ritter:coherence=on", "bound=aabb:meta=on", "bound=aabb:test=clip", "bound=obb_pca", "bound=obb",
+        "bound=kdop14:coherence=on", "bound=kdop18", "bound=kdop26:meta=on", "bound=hull", "bound=sphere:meta=on"})
+    all.push_back({std::string("frustum_bounds:") + setting, Promise::conservative_continuous});
   return all;
 }
 

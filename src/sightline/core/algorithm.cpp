@@ -2,7 +2,17 @@
 
 namespace sightline {
 
-std::string_view to_string(Family family) { return family == Family::culler ? "culler" : "renderer"; }
+std::string_view to_string(Family family) {
+  switch (family) {
+    case Family::culler:
+      return "culler";
+    case Family::renderer:
+      return "renderer";
+    case Family::face_culler:
+      return "face culler";
+  }
+  return "unknown";
+}
 
 std::string_view to_string(Promise promise) {
   switch (promise) {

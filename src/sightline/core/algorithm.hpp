@@ -6,13 +6,14 @@
 #include <string_view>
 
 #include "sightline/core/culler.hpp"
+#include "sightline/core/face_culler.hpp"
 #include "sightline/core/parameters.hpp"
 #include "sightline/core/renderer.hpp"
 #include "sightline/index/bvh.hpp"
 
 namespace sightline {
 
-enum class Family { culler, renderer };
+enum class Family { culler, renderer, face_culler };
 
 enum class Promise {
   exact,                    // equal to the truth
@@ -41,6 +42,7 @@ struct Algorithm {
   std::string_view checklist;  // item numbers of the checklist
   std::unique_ptr<Culler> (*make_culler)(const IndexedScene&, ParameterReader&) = nullptr;
   std::unique_ptr<Renderer> (*make_renderer)(const IndexedScene&, ParameterReader&) = nullptr;
+  std::unique_ptr<FaceCuller> (*make_face_culler)(const IndexedScene&, ParameterReader&) = nullptr;
 };
 
 }  // namespace sightline

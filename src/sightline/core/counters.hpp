@@ -18,6 +18,9 @@ struct Counters {
   std::uint64_t triangles_filled = 0;    // triangles that reached the fill loop
   std::uint64_t pixels_tested = 0;       // depth tests
   std::uint64_t pixels_written = 0;      // depth writes
+  std::uint64_t faces_tested = 0;        // triangles whose orientation was tested one by one
+  std::uint64_t faces_culled = 0;        // triangles found to turn their backs
+  std::uint64_t clusters_tested = 0;     // clusters of triangles whose orientation was tested
 
   /// Calls f(name, value) for every counter, in order.
   template <class F>
@@ -34,6 +37,9 @@ struct Counters {
     f("triangles_filled", triangles_filled);
     f("pixels_tested", pixels_tested);
     f("pixels_written", pixels_written);
+    f("faces_tested", faces_tested);
+    f("faces_culled", faces_culled);
+    f("clusters_tested", clusters_tested);
   }
 };
 

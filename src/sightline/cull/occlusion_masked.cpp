@@ -7,6 +7,7 @@
 #include "sightline/raster/auto_occluders.hpp"
 #include "sightline/raster/occlusion_buffer.hpp"
 #include "sightline/scene/input_error.hpp"
+#include "sightline/scene/occludee_bounds.hpp"
 
 namespace sightline {
 namespace {
@@ -26,6 +27,7 @@ class OcclusionMasked final : public Culler {
     parallel_blocks(meshes_.size(), 4, [&](std::size_t begin, std::size_t end) {
       for (std::size_t i = begin; i < end; ++i) prepare(i);
     });
+    if (config.tight > 1.0) tight_ = OccludeeBounds(scene.scene, {.sigma = config.tight});
   }
 
   void cull(const View& view, const VisibleSet& candidates, VisibleSet& visible, Counters& counters) override {
@@ -195,13 +197,20 @@ class OcclusionMasked final : public Culler {
     ++counters.boxes_tested;
     if (outside(frustum_, box, planes)) return;
     ++counters.queries;
-    if (buffer_.may_be_seen(box)) visible.insert(id);
+    if (!buffer_.may_be_seen(box)) return;
+    if (!tight_.empty() && tight_.boxes(id).size() > 1 && !tight_.any(id, [&](const Aabb& part) {
+          ++counters.queries;
+          return buffer_.may_be_seen(part);
+        }))
+      return;
+    visible.insert(id);
   }
 
   const Scene& scene_;
   const Bvh& bvh_;
   OcclusionMaskedConfig config_;
   OcclusionBuffer buffer_;
+  OccludeeBounds tight_;              // empty without
   std::vector<OccluderMesh> meshes_;  // by mesh id; empty where it can never fit the budget
   std::vector<OccluderMesh> solids_;  // by mesh id: boxes inside of it; automatic occluders only
   Frustum frustum_;
@@ -220,6 +229,7 @@ std::unique_ptr<Culler> make_occlusion_masked(const IndexedScene& scene, Paramet
   std::string occluders = "all";
   parameters.read("occluders", occluders);
   parameters.read("auto_budget", config.auto_budget, 0, 1 << 30);
+  parameters.read("tight", config.tight, 1.0, 100.0);
   parameters.finish();
   if (occluders != "all" && occluders != "auto")
     throw InputError("", "occlusion_masked: occluders", "must be all or auto, not '" + occluders + "'");

@@ -17,6 +17,7 @@ struct OcclusionMaskedConfig {
   bool automatic = false;   // draw the meshes' automatic occluders (raster/auto_occluders.hpp) in their place
   int auto_budget = 0;      // triangles of those over the whole scene; 0: a tenth of the scene's
   bool scalar = false;      // run the one-lane reference loops; the answer is the same
+  double tight = 1.0;       // sigma of tight occludee bounds (scene/occludee_bounds), 1 for one box per object
 };
 
 std::unique_ptr<Culler> make_occlusion_masked(const IndexedScene& scene, ParameterReader& parameters);

@@ -1,0 +1,28 @@
+// The options of sightline faces.
+#include "command.hpp"
+#include "verbs.hpp"
+
+namespace sightline::cli {
+namespace {
+
+void add_faces(CLI::App& app, FacesOptions& options) {
+  add_scene(app, options.scene);
+  add_text(app, "--method", "NAME[:KEY=VALUE]...[,...]", "face cullers to compare; see sightline list", "all",
+           [&options](const std::string& text) { options.methods = parse_names("--method", text); });
+  add_path(app, options.path);
+  add_camera(app, options.camera);
+  app.add_option("--mask", options.mask, "picture of the normal mask of the first view, .png")->type_name("FILE");
+  app.add_option("--volume", options.volume, "picture of a cluster and its culling volume, .png")->type_name("FILE");
+  add_common(app, options.common);
+  app.footer(
+      "Examples:\n  sightline faces generate:city\n"
+      "  sightline faces scan.glb --frames 24 --method backface,cluster_backface:leaf=32 --json faces.json");
+}
+
+}  // namespace
+
+Verb faces_command(CLI::App& app) {
+  return add_verb(app, "faces", "back-face culling: shares found, times, clusters", add_faces, run_faces);
+}
+
+}  // namespace sightline::cli

@@ -1,0 +1,153 @@
+// sightline sigma: how many boxes an object is worth (checklist 24.05-24.07).
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+
+#include "camera.hpp"
+#include "json_output.hpp"
+#include "picture.hpp"
+#include "scene_argument.hpp"
+#include "sightline/oracle/oracle.hpp"
+#include "sightline/registry.hpp"
+#include "sightline/scene/generate/shapes.hpp"
+#include "sightline/scene/occludee_bounds.hpp"
+#include "verbs.hpp"
+
+namespace sightline::cli {
+namespace {
+
+struct Row {
+  double sigma = 1.0;
+  double boxes = 0.0, surface = 0.0, volume = 0.0;  // per object; ratios to the single boxes, summed over objects
+  std::size_t reported = 0, seen = 0, missed = 0;
+  double queries = 0.0, ms = 0.0;  // a frame
+  [[nodiscard]] double false_visible() const { return static_cast<double>(reported - (seen - missed)); }
+};
+
+void measure_boxes(const Scene& scene, const OccludeeBounds& bounds, Row& row) {
+  double surface = 0.0, volume = 0.0, one_surface = 0.0, one_volume = 0.0;
+  for (ObjectId id = 0; id < scene.objects().size(); ++id) {
+    const Aabb& box = scene.objects()[id].bounds;
+    if (box.empty()) continue;
+    surface += union_surface(bounds.boxes(id));
+    volume += union_volume(bounds.boxes(id));
+    one_surface += 2.0 * static_cast<double>(box.half_area());
+    one_volume += union_volume({&box, 1});
+  }
+  row.boxes =
+      static_cast<double>(bounds.count()) / static_cast<double>(std::max<std::size_t>(scene.objects().size(), 1));
+  row.surface = one_surface > 0.0 ? surface / one_surface : 1.0;
+  row.volume = one_volume > 0.0 ? volume / one_volume : 1.0;
+}
+
+std::vector<Row> sweep(const SigmaOptions& options, const IndexedScene& indexed, const std::vector<View>& views) {
+  using Clock = std::chrono::steady_clock;
+  std::vector<Row> rows;
+  std::vector<std::unique_ptr<Culler>> cullers;
+  for (const double sigma : options.sigmas) {
+    Row& row = rows.emplace_back();
+    row.sigma = sigma;
+    measure_boxes(indexed.scene, OccludeeBounds(indexed.scene, {.sigma = sigma}), row);
+    cullers.push_back(make_culler(fmt::format("occlusion_masked:tight={}", sigma), indexed));
+  }
+  const Oracle oracle(indexed.scene);
+  const VisibleSet all = VisibleSet::all(indexed.scene.objects().size());
+  std::vector<std::vector<double>> times(rows.size());
+  Progress progress("frames", views.size(), options.common.quiet);
+  for (std::size_t v = 0; v < views.size(); ++v) {
+    const Truth truth = oracle.look(views[v]);
+    for (std::size_t i = 0; i < rows.size(); ++i) {
+      VisibleSet visible;
+      Counters counters;
+      const auto start = Clock::now();
+      cullers[i]->cull(views[v], all, visible, counters);
+      times[i].push_back(std::chrono::duration<double, std::milli>(Clock::now() - start).count());
+      const Verdict verdict = judge(truth, visible);
+      rows[i].reported += visible.count();
+      rows[i].seen += truth.seen.count();
+      rows[i].missed += verdict.missed.size();
+      rows[i].queries += static_cast<double>(counters.queries) / static_cast<double>(views.size());
+    }
+    progress.show(v + 1);
+  }
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    std::sort(times[i].begin(), times[i].end());
+    rows[i].ms = times[i].empty() ? 0.0 : times[i][times[i].size() / 2];
+  }
+  return rows;
+}
+
+/// The tight boxes of all objects as a scene of their own, seen like the scene itself.
+Picture draw_boxes(const Scene& scene, View view) {
+  SceneBuilder builder;
+  const OccludeeBounds bounds(scene, {});
+  const MeshId unit = builder.add_mesh(make_box({0, 0, 0}, {1, 1, 1}));
+  for (ObjectId id = 0; id < scene.objects().size(); ++id)
+    for (const Aabb& box : bounds.boxes(id)) {
+      const glm::vec3 e = box.extent();
+      builder.add_object(unit, {{e.x, 0, 0}, {0, e.y, 0}, {0, 0, e.z}, box.lo});
+    }
+  const Scene boxes = builder.build();
+  view.width = 640;
+  view.height = 360;
+  Frame left, right;
+  Oracle(scene).draw(view, left);
+  Oracle(boxes).draw(view, right);
+  const Picture a = paint(scene, view, left, Show::shaded), b = paint(boxes, view, right, Show::shaded);
+  Picture both{1284, 360, {}};
+  for (std::size_t y = 0; y < 360; ++y) {
+    both.rgb.insert(both.rgb.end(), a.rgb.begin() + static_cast<std::ptrdiff_t>(y * 1920),
+                    a.rgb.begin() + static_cast<std::ptrdiff_t>((y + 1) * 1920));
+    both.rgb.insert(both.rgb.end(), 12, 255);
+    both.rgb.insert(both.rgb.end(), b.rgb.begin() + static_cast<std::ptrdiff_t>(y * 1920),
+                    b.rgb.begin() + static_cast<std::ptrdiff_t>((y + 1) * 1920));
+  }
+  return both;
+}
+
+}  // namespace
+
+int run_sigma(const SigmaOptions& options) {
+  std::optional<OutputFile> picture;
+  if (!options.output.empty()) picture.emplace(options.output);
+  JsonOutput output(options.common);
+  const LoadedScene loaded = open_scene(options.scene, options.common);
+  const CameraPath path = open_path(options.path, options.camera, loaded.scene, options.common.seed);
+  const IndexedScene indexed = index_scene(loaded.scene);
+  const std::vector<Row> rows = sweep(options, indexed, path.views);
+  Json json{{"schema", "sightline.sigma/1"},
+            {"scene", options.scene},
+            {"frames", path.views.size()},
+            {"rows", Json::array()}};
+  std::size_t missed = 0;
+  const bool text = !options.common.json_to_stdout() && !options.common.quiet;
+  if (text)
+    fmt::print("{:>6} {:>12} {:>9} {:>8} {:>10} {:>10} {:>14} {:>7} {:>10} {:>9}\n", "sigma", "boxes/object", "surface",
+               "volume", "reported", "seen", "false-visible", "missed", "queries", "ms");
+  for (const Row& row : rows) {
+    missed += row.missed;
+    json["rows"].push_back({{"sigma", row.sigma},
+                            {"boxes_per_object", row.boxes},
+                            {"surface", row.surface},
+                            {"volume", row.volume},
+                            {"reported", row.reported},
+                            {"seen", row.seen},
+                            {"false_visible", row.false_visible()},
+                            {"missed", row.missed},
+                            {"queries", row.queries},
+                            {"ms", row.ms}});
+    if (text)
+      fmt::print("{:>6.2f} {:>12.2f} {:>9.3f} {:>8.3f} {:>10} {:>10} {:>14.0f} {:>7} {:>10.0f} {:>9.3f}\n", row.sigma,
+                 row.boxes, row.surface, row.volume, row.reported, row.seen, row.false_visible(), row.missed,
+                 row.queries, row.ms);
+  }
+  if (picture) {
+    picture->write(encode_png(draw_boxes(loaded.scene, path.views.front())));
+    picture->commit();
+  }
+  output.write(json);
+  return missed > 0 ? exit_missed : exit_ok;
+}
+
+}  // namespace sightline::cli

@@ -1,0 +1,118 @@
+#include "sightline/cull/cluster_backface.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+
+#include "sightline/core/mesh_face_culler.hpp"
+#include "sightline/geometry/cluster_tree.hpp"
+#include "sightline/parallel/parallel.hpp"
+
+namespace sightline {
+namespace {
+
+class ClusterBackface final : public MeshFaceCuller {
+ public:
+  ClusterBackface(const Scene& scene, const ClusterTreeConfig& config, bool scalar)
+      : MeshFaceCuller(scene), scalar_(scalar), trees_(scene.meshes().size()) {
+    parallel_blocks(trees_.size(), 1, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t i = begin; i < end; ++i) {
+        const Mesh& mesh = scene.meshes()[i];
+        if (solidity(static_cast<MeshId>(i)) == Solidity::solid)
+          trees_[i] = build_cluster_tree(mesh.positions, mesh.triangles, mesh.bounds.centre(), config);
+      }
+    });
+  }
+
+  [[nodiscard]] std::span<const std::uint32_t> order(MeshId mesh) const override { return trees_[mesh].order; }
+
+  [[nodiscard]] std::size_t bytes() const override {
+    std::size_t total = 0;
+    for (const ClusterTree& tree : trees_)
+      total += sizeof(ClusterNode) * tree.nodes.size() + sizeof(std::uint32_t) * tree.order.size();
+    return total;
+  }
+
+ private:
+  std::size_t cull_mesh(const Object& object, const MeshEye& eye, std::span<std::uint64_t> kept,
+                        Counters& counters) override {
+    ClusterCounts counts;
+    (scalar_ ? front_clusters_scalar : front_clusters)(trees_[object.mesh], eye.eye, eye.slack, eye.sharpness, kept,
+                                                       counts);
+    counters.clusters_tested += counts.tested;
+    return counts.culled;
+  }
+
+  bool scalar_;
+  std::vector<ClusterTree> trees_;  // by mesh
+};
+
+}  // namespace
+
+double measured_cluster_cost() {
+  static const double ratio = [] {
+    // A cluster test against what a triangle costs at least when it is not culled: three corners projected and its
+    // area's sign taken. The best of several rounds, as a power of two: steady enough to give the same clusters again.
+    constexpr int rounds = 7, count = 4096;
+    std::vector<NormalCluster> clusters(count);
+    std::vector<glm::vec3> corners(3 * count);
+    for (int i = 0; i < count; ++i) {
+      const float a = 0.37f * static_cast<float>(i);
+      clusters[static_cast<std::size_t>(i)] = {
+          {-0.5f, 0.1f, std::sin(a)}, {0.5f, 0.4f, 1.0f}, std::cos(a), 1.0f, {a, 0, 1}, 1.0f};
+      for (int k = 0; k < 3; ++k)
+        corners[static_cast<std::size_t>(3 * i + k)] = {std::cos(a + 2.1f * static_cast<float>(k)), std::sin(a), 2.0f};
+    }
+    const auto best = [&](auto&& work) {
+      double least = 1e9;
+      for (int round = 0; round < rounds; ++round) {
+        const auto start = std::chrono::steady_clock::now();
+        volatile int keep = work();
+        (void)keep;
+        least = std::min(least, std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
+      }
+      return std::max(least, 1e-9);
+    };
+    const glm::vec4 eye(3.0f, -2.0f, 5.0f, 1.0f);
+    const double test = best([&] {
+      int found = 0;
+      for (const NormalCluster& cluster : clusters) found += turns_back(cluster, eye, 1e-3f) ? 1 : 0;
+      return found;
+    });
+    const glm::mat4 matrix(1.2f, 0.1f, 0.3f, 0.2f, -0.1f, 1.1f, 0.2f, 0.1f, 0.2f, 0.3f, 1.0f, 0.9f, 0.0f, 0.1f, 0.5f,
+                           1.0f);
+    const double triangle = best([&] {
+      int found = 0;
+      for (std::size_t i = 0; i < corners.size(); i += 3) {
+        glm::vec2 p[3];
+        for (std::size_t k = 0; k < 3; ++k) {
+          const glm::vec4 q = matrix * glm::vec4(corners[i + k], 1.0f);
+          p[k] = glm::vec2(q) / q.w;
+        }
+        found += (p[1].x - p[0].x) * (p[2].y - p[0].y) - (p[1].y - p[0].y) * (p[2].x - p[0].x) > 0.0f ? 1 : 0;
+      }
+      return found;
+    });
+    return std::exp2(std::round(std::log2(std::clamp(test / triangle, 1.0 / 64, 64.0))));
+  }();
+  return ratio;
+}
+
+std::unique_ptr<FaceCuller> make_cluster_backface(const IndexedScene& scene, ParameterReader& parameters) {
+  ClusterTreeConfig config;
+  bool scalar = false;
+  double near_field = static_cast<double>(config.near_field);
+  config.cost_test = 0.0;
+  parameters.read("leaf", config.leaf, 1, 4096);
+  parameters.read("cost", config.cost_test, 1e-3, 1e6);
+  parameters.read("position", config.position, 0.0, 100.0);
+  parameters.read("near_field", near_field, 1.01, 1000.0);
+  parameters.read("origins", config.origins);
+  parameters.read("scalar", scalar);
+  parameters.finish();
+  if (config.cost_test == 0.0) config.cost_test = measured_cluster_cost();
+  config.near_field = static_cast<float>(near_field);
+  return std::make_unique<ClusterBackface>(scene.scene, config, scalar);
+}
+
+}  // namespace sightline

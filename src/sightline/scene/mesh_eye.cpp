@@ -1,0 +1,61 @@
+#include "sightline/scene/mesh_eye.hpp"
+
+#include <cmath>
+
+namespace sightline {
+namespace {
+
+double norm(const glm::dmat3& m) {
+  return std::sqrt(glm::dot(m[0], m[0]) + glm::dot(m[1], m[1]) + glm::dot(m[2], m[2]));
+}
+
+/// How far a float corner of transform_point lies from the exact one, world units. The identity rounds nothing.
+double corner_error(const Affine& m, const Mesh& mesh) {
+  if (m == identity_affine()) return 0.0;
+  const glm::dvec3 size(glm::max(glm::abs(mesh.bounds.lo), glm::abs(mesh.bounds.hi)));
+  const glm::dvec3 terms = glm::abs(glm::dvec3(m[0])) * size.x + glm::abs(glm::dvec3(m[1])) * size.y +
+                           glm::abs(glm::dvec3(m[2])) * size.z + glm::abs(glm::dvec3(m[3]));
+  return 0x1p-22 * glm::length(terms);
+}
+
+}  // namespace
+
+bool inverse_linear(const Affine& transform, glm::dmat3& inverse) {
+  const glm::dmat3 linear{glm::dvec3(transform[0]), glm::dvec3(transform[1]), glm::dvec3(transform[2])};
+  const double size = norm(linear), volume = glm::determinant(linear);
+  if (!(std::abs(volume) > 1e-9 * size * size * size)) return false;
+  inverse = glm::inverse(linear);
+  return true;
+}
+
+MeshEye mesh_eye(const View& view, const Object& object, const Mesh& mesh) {
+  MeshEye result;
+  glm::dmat3 inverse;
+  if (mesh.bounds.empty() || !inverse_linear(object.transform, inverse)) return result;
+  const glm::dvec3 centre(mesh.bounds.centre());
+  const double radius = 0.5 * glm::length(glm::dvec3(mesh.bounds.extent())) + 0x1p-22 * glm::length(centre);
+  const double moved = norm(inverse) * corner_error(object.transform, mesh);  // corners, mesh space
+  const double crooked =
+      norm(inverse) * norm(glm::dmat3(glm::dvec3(object.transform[0]), glm::dvec3(object.transform[1]),
+                                      glm::dvec3(object.transform[2])));
+  if (view.projection == Projection::orthographic) {
+    const glm::dvec3 towards = glm::normalize(inverse * -view_direction(view));
+    result.eye = glm::vec4(glm::vec3(towards), 0.0f);
+    result.slack = static_cast<float>(0x1p-20 + 1e-14 * crooked);
+    result.sharpness = static_cast<float>(6.0 * moved);
+  } else {
+    const glm::dvec3 world(object.transform[3]);
+    const glm::dvec3 eye = inverse * (view.eye - world) - centre;
+    const double far = std::abs(eye.x) + std::abs(eye.y) + std::abs(eye.z);
+    const double doubles = 1e-14 * (crooked * (far + radius) + glm::length(centre) +
+                                    norm(inverse) * (glm::length(view.eye) + glm::length(world)));
+    result.eye = glm::vec4(glm::vec3(eye), 1.0f);
+    result.slack = static_cast<float>(0x1p-20 * (far + 2.0 * radius) + 6.0 * moved + doubles);
+    result.sharpness = static_cast<float>(6.0 * moved * (far + radius));
+  }
+  result.valid = std::isfinite(result.eye.x) && std::isfinite(result.eye.y) && std::isfinite(result.eye.z) &&
+                 std::isfinite(result.slack) && std::isfinite(result.sharpness);
+  return result;
+}
+
+}  // namespace sightline
