@@ -21,11 +21,12 @@ Verb list_command(CLI::App& app);
 Verb generate_command(CLI::App& app);
 Verb walk_command(CLI::App& app);
 Verb render_command(CLI::App& app);
+Verb structures_command(CLI::App& app);
 
 namespace {
 
 constexpr Verb (*commands[])(CLI::App&) = {
-    info_command, list_command, generate_command, walk_command, render_command,
+    info_command, list_command, generate_command, walk_command, render_command, structures_command,
 };
 
 /// CLI11 names neither a verb that it does not know nor those that there are.

@@ -97,4 +97,13 @@ struct RenderOptions {
   std::string output;
 };
 
+struct StructuresOptions {
+  CommonOptions common;
+  std::string scene;                 // or "example": the two-dimensional one of the slides
+  std::vector<std::string> methods;  // names of tracers; empty for all
+  std::uint32_t rays = 100000;       // of each kind
+  std::string plot;                  // SVG file of the figures, empty for none
+  std::string cells;                 // SVG file of quadtree and kd-tree seen from above, empty for none
+};
+
 }  // namespace sightline::cli

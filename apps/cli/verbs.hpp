@@ -10,5 +10,6 @@ int run_list(const ListOptions& options);
 int run_generate(const GenerateOptions& options);
 int run_walk(const WalkOptions& options);
 int run_render(const RenderOptions& options);
+int run_structures(const StructuresOptions& options);
 
 }  // namespace sightline::cli

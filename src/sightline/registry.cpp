@@ -8,6 +8,7 @@
 #include "sightline/cull/none.hpp"
 #include "sightline/cull/occlusion_masked.hpp"
 #include "sightline/scene/input_error.hpp"
+#include "sightline/surface/ray_cast.hpp"
 #include "sightline/surface/zbuffer.hpp"
 
 namespace sightline {
@@ -29,6 +30,8 @@ constexpr std::array rows{
     // Visible surfaces.
     Algorithm{"zbuffer", Family::renderer, Promise::exact, "per pixel the nearest surface, every triangle drawn",
               "Strasser 1974; Catmull 1974", "3.01-3.05 3.11", nullptr, make_zbuffer},
+    Algorithm{"ray_cast", Family::renderer, Promise::exact, "per pixel the nearest triangle on a ray, by any structure",
+              "Appel 1968", "13.01 13.12 13.13 14.01-14.08", nullptr, make_ray_cast},
 };
 
 }  // namespace

@@ -15,6 +15,8 @@ struct Counters {
   std::uint64_t triangles_filled = 0;    // triangles that reached the fill loop
   std::uint64_t pixels_tested = 0;       // depth tests
   std::uint64_t pixels_written = 0;      // depth writes
+  std::uint64_t rays = 0;                // rays traced
+  std::uint64_t ray_triangle_tests = 0;  // rays tested against triangles
 
   /// Calls f(name, value) for every counter, in order.
   template <class F>
@@ -28,6 +30,8 @@ struct Counters {
     f("triangles_filled", triangles_filled);
     f("pixels_tested", pixels_tested);
     f("pixels_written", pixels_written);
+    f("rays", rays);
+    f("ray_triangle_tests", ray_triangle_tests);
   }
 };
 
