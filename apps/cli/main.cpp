@@ -29,6 +29,7 @@ Verb raster_report_command(CLI::App& app);
 Verb occluders_command(CLI::App& app);
 Verb bounds_command(CLI::App& app);
 Verb sigma_command(CLI::App& app);
+Verb structures_command(CLI::App& app);
 Verb visible_faces_command(CLI::App& app);
 Verb sight_lines_command(CLI::App& app);
 Verb maze_command(CLI::App& app);
@@ -54,6 +55,7 @@ constexpr Verb (*commands[])(CLI::App&) = {
     occluders_command,
     bounds_command,
     sigma_command,
+    structures_command,
     visible_faces_command,
     sight_lines_command,
     maze_command,

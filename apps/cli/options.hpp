@@ -202,4 +202,13 @@ struct SigmaOptions {
   std::string output;  // picture of the boxes at the sigma of 24.06, empty for none
 };
 
+struct StructuresOptions {
+  CommonOptions common;
+  std::string scene;                 // or "example": the two-dimensional one of the slides
+  std::vector<std::string> methods;  // names of tracers; empty for all
+  std::uint32_t rays = 100000;       // of each kind
+  std::string plot;                  // SVG file of the figures, empty for none
+  std::string cells;                 // SVG file of quadtree and kd-tree seen from above, empty for none
+};
+
 }  // namespace sightline::cli

@@ -19,5 +19,6 @@ int run_faces(const FacesOptions& options);
 int run_bounds(const BoundsOptions& options);
 int run_sigma(const SigmaOptions& options);
 int run_detail(const DetailOptions& options);
+int run_structures(const StructuresOptions& options);
 
 }  // namespace sightline::cli

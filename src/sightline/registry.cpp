@@ -21,6 +21,7 @@
 #include "sightline/surface/painter.hpp"
 #include "sightline/surface/painter_bsp.hpp"
 #include "sightline/surface/whitted.hpp"
+#include "sightline/surface/ray_cast.hpp"
 #include "sightline/surface/zbuffer.hpp"
 #include "sightline/surface/zbuffer_tiled.hpp"
 
@@ -86,6 +87,8 @@ constexpr std::array rows{
               "Appel 1968; Whitted 1980", "13.02 13.03", nullptr, make_whitted_row},
     Algorithm{"whitted", Family::renderer, Promise::exact, "rays with shadows, mirrors and glass; fills colour",
               "Appel 1968; Whitted 1980", "13.02 13.03", nullptr, make_whitted_row},
+    Algorithm{"ray_cast", Family::renderer, Promise::exact, "per pixel the nearest triangle on a ray, by any structure",
+              "Appel 1968", "13.01 13.12 13.13 14.01-14.08", nullptr, make_ray_cast},
 };
 
 }  // namespace

@@ -21,6 +21,8 @@ struct Counters {
   std::uint64_t faces_tested = 0;        // triangles whose orientation was tested one by one
   std::uint64_t faces_culled = 0;        // triangles found to turn their backs
   std::uint64_t clusters_tested = 0;     // clusters of triangles whose orientation was tested
+  std::uint64_t rays = 0;                // rays traced
+  std::uint64_t ray_triangle_tests = 0;  // rays tested against triangles
 
   /// Calls f(name, value) for every counter, in order.
   template <class F>
@@ -40,6 +42,8 @@ struct Counters {
     f("faces_tested", faces_tested);
     f("faces_culled", faces_culled);
     f("clusters_tested", clusters_tested);
+    f("rays", rays);
+    f("ray_triangle_tests", ray_triangle_tests);
   }
 };
 

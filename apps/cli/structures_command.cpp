@@ -1,0 +1,33 @@
+// The options of sightline structures.
+#include "command.hpp"
+#include "verbs.hpp"
+
+namespace sightline::cli {
+namespace {
+
+void add_structures(CLI::App& app, StructuresOptions& options) {
+  app.add_option(
+         "SCENE", options.scene,
+         "a scene file, generate:KIND[:objects=N][:triangles=N][:seed=N], or example: the plane one of the slides")
+      ->required();
+  app.add_option("--structure", options.methods, "which, separated by commas [all]")
+      ->type_name("NAMES")
+      ->delimiter(',');
+  add_whole(app, "--rays", "rays of each kind", options.rays, 1, 100'000'000);
+  app.add_option("--plot", options.plot, "write the figures as a picture, .svg")->type_name("FILE");
+  app.add_option("--cells", options.cells, "write quadtree and kd-tree seen from above, .svg")->type_name("FILE");
+  add_common(app, options.common);
+  app.footer(
+      "Examples:\n  sightline structures castle.glb --plot structures.svg\n"
+      "  sightline structures castle.glb --structure bvh8,kdtree,grid --rays 1000000\n"
+      "  sightline structures example --cells quadtree_kdtree.svg");
+}
+
+}  // namespace
+
+Verb structures_command(CLI::App& app) {
+  return add_verb(app, "structures", "compare the structures that rays are traced through", add_structures,
+                  run_structures);
+}
+
+}  // namespace sightline::cli

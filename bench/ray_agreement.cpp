@@ -1,0 +1,175 @@
+// bench_ray_agreement [RAYS [SCENE.glb ...]]: every tracing structure on the same random rays, hit by hit against the
+// first one, and that one against Embree's robust mode. Default: 100,000 rays on three scenes of ../shared/scenes.
+// Exits 1 at a difference between our structures, or a hit that Embree does not share and rounding does not explain.
+#include <embree3/rtcore.h>
+
+#include <atomic>
+#include <cmath>
+#include <cstdio>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "sightline/index/tracer.hpp"
+#include "sightline/parallel/parallel.hpp"
+#include "sightline/scene/generate/random.hpp"
+#include "sightline/scene/input_error.hpp"
+#include "sightline/scene/load/load.hpp"
+#include "sightline/scene/scene_soup.hpp"
+
+namespace {
+
+using namespace sightline;
+
+/// Anywhere in a box a little larger than the scene, in any direction; every fourth along an axis, every fourth to a
+/// vertex. The same for any number of threads.
+Ray ray_number(std::uint64_t number, const TriangleSoup& soup, const Aabb& box) {
+  Random random(number, 17);
+  const auto within = [&](int axis) {
+    return static_cast<float>(random.range(static_cast<double>(box.lo[axis]), static_cast<double>(box.hi[axis])));
+  };
+  Ray ray{
+      {within(0), within(1), within(2)}, 0.0f, glm::vec3(random.direction()), std::numeric_limits<float>::infinity()};
+  if (number % 4 == 1) {
+    ray.direction = glm::vec3(0.0f);
+    ray.direction[static_cast<int>(random.below(3))] = random.chance(0.5) ? 1.0f : -1.0f;
+  }
+  if (number % 4 == 2)
+    ray.direction = soup.corners[random.below(static_cast<std::uint32_t>(soup.corners.size()))] - ray.origin;
+  return ray;
+}
+
+class Embree {
+ public:
+  explicit Embree(const TriangleSoup& soup) : device_(rtcNewDevice(nullptr)), scene_(rtcNewScene(device_)) {
+    rtcSetSceneFlags(scene_, RTC_SCENE_FLAG_ROBUST);
+    RTCGeometry geometry = rtcNewGeometry(device_, RTC_GEOMETRY_TYPE_TRIANGLE);
+    auto* vertices = static_cast<glm::vec3*>(rtcSetNewGeometryBuffer(
+        geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, sizeof(glm::vec3), soup.corners.size()));
+    std::copy(soup.corners.begin(), soup.corners.end(), vertices);
+    auto* indices = static_cast<std::uint32_t*>(
+        rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, 12, soup.size()));
+    for (std::uint32_t i = 0; i < 3 * soup.size(); ++i) indices[i] = i;
+    rtcCommitGeometry(geometry);
+    rtcAttachGeometry(scene_, geometry);
+    rtcReleaseGeometry(geometry);
+    rtcCommitScene(scene_);
+  }
+  ~Embree() {
+    rtcReleaseScene(scene_);
+    rtcReleaseDevice(device_);
+  }
+  Embree(const Embree&) = delete;
+  Embree& operator=(const Embree&) = delete;
+
+  [[nodiscard]] RayHit nearest(const Ray& ray) const {
+    RTCRayHit r{};
+    r.ray.org_x = ray.origin.x;
+    r.ray.org_y = ray.origin.y;
+    r.ray.org_z = ray.origin.z;
+    r.ray.dir_x = ray.direction.x;
+    r.ray.dir_y = ray.direction.y;
+    r.ray.dir_z = ray.direction.z;
+    r.ray.tnear = ray.t_near;
+    r.ray.tfar = ray.t_far;
+    r.ray.mask = 0xFFFFFFFFu;
+    r.hit.geomID = RTC_INVALID_GEOMETRY_ID;
+    r.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
+    RTCIntersectContext context;
+    rtcInitIntersectContext(&context);
+    rtcIntersect1(scene_, &context, &r);
+    if (r.hit.geomID == RTC_INVALID_GEOMETRY_ID) return {};
+    return {r.ray.tfar, r.hit.primID};
+  }
+
+ private:
+  RTCDevice device_;
+  RTCScene scene_;
+};
+
+struct Counts {
+  std::atomic<std::uint64_t> hits{0}, ties{0}, other{0};
+};
+
+/// How far our hit and Embree's are apart along the ray, in units of the scene's extent.
+bool is_tie(const RayHit& a, const RayHit& b, const Ray& ray, float extent) {
+  if (!a.found() || !b.found()) return false;
+  const double apart =
+      std::abs(static_cast<double>(a.t) - static_cast<double>(b.t)) * glm::length(glm::dvec3(ray.direction));
+  return apart <= 1e-5 * static_cast<double>(extent);
+}
+
+bool agree(const std::string& name, const TriangleSoup& soup, std::uint64_t rays) {
+  Aabb box = bounds_of(soup);
+  const float extent = std::max({box.extent().x, box.extent().y, box.extent().z});
+  box.lo -= 0.05f * extent;
+  box.hi += 0.05f * extent;
+  std::printf("%s: %zu triangles, %llu rays\n", name.c_str(), soup.size(), static_cast<unsigned long long>(rays));
+  constexpr std::size_t block = 4096;
+  std::vector<RayHit> first(rays);
+  bool good = true;
+  for (const TracerKind& kind : tracer_kinds()) {
+    if (kind.name == "brute" && rays * soup.size() > 20'000'000'000) continue;
+    const std::unique_ptr<Tracer> tracer = kind.make(soup);
+    const bool is_first = &kind == tracer_kinds().data();
+    Counts counts;
+    parallel_blocks(rays, block, [&](std::size_t begin, std::size_t end) {
+      TraceCounters work;
+      std::uint64_t hits = 0, other = 0;
+      for (std::size_t i = begin; i < end; ++i) {
+        const RayHit hit = tracer->nearest(ray_number(i, soup, box), work);
+        hits += hit.found() ? 1 : 0;
+        if (is_first)
+          first[i] = hit;
+        else
+          other += hit == first[i] ? 0 : 1;
+      }
+      counts.hits += hits;
+      counts.other += other;
+    });
+    std::printf("  %-15s %10llu hits, %llu differ\n", kind.name.data(),
+                static_cast<unsigned long long>(counts.hits.load()),
+                static_cast<unsigned long long>(counts.other.load()));
+    std::fflush(stdout);
+    good &= counts.other == 0;
+  }
+  const Embree embree(soup);
+  Counts counts;
+  parallel_blocks(rays, block, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) {
+      const Ray ray = ray_number(i, soup, box);
+      const RayHit hit = embree.nearest(ray);
+      counts.hits += hit.found() ? 1 : 0;
+      if (hit.triangle == first[i].triangle) continue;
+      ++(is_tie(hit, first[i], ray, extent) ? counts.ties : counts.other);
+    }
+  });
+  std::printf("  %-15s %10llu hits, %llu ties (same place up to 1e-5 of the extent), %llu differ\n", "embree robust",
+              static_cast<unsigned long long>(counts.hits.load()), static_cast<unsigned long long>(counts.ties.load()),
+              static_cast<unsigned long long>(counts.other.load()));
+  // Rays aimed at vertices and along axes graze outlines: there one of the two may pass by.
+  return good && counts.other * 2000 <= rays;
+}
+
+}  // namespace
+
+int main(int count, char** arguments) {
+  std::vector<std::string> words;
+  for (int i = 1; i < count; ++i)
+    if (arguments[i][0] != '-') words.emplace_back(arguments[i]);
+  const std::uint64_t rays = words.empty() ? 100000 : std::stoull(words[0]);
+  std::vector<std::string> files(words.begin() + (words.empty() ? 0 : 1), words.end());
+  const std::string folder = std::string(SIGHTLINE_SOURCE_DIR) + "/../shared/scenes/";
+  if (files.empty())
+    files = {folder + "intel-castle/intel-castle.glb", folder + "medical-clinic/medical-clinic.glb",
+             folder + "scan-meshes/koala.glb"};
+  bool good = true;
+  for (const std::string& file : files) {
+    try {
+      good &= agree(std::filesystem::path(file).filename().string(), soup_of(load_scene(file).scene), rays);
+    } catch (const InputError& error) {
+      std::fprintf(stderr, "bench_ray_agreement: skipped: %s\n", error.what());
+    }
+  }
+  return good ? 0 : 1;
+}

@@ -1,0 +1,71 @@
+// Ray against triangle, three ways: sums of partial areas (checklist 13.07) and barycentric coordinates (13.08-13.10),
+// as on the slides, and watertight (Woop, Benthin and Wald 2013), which the tracing structures use.
+#pragma once
+
+#include <optional>
+
+#include "sightline/geometry/ray.hpp"
+
+namespace sightline {
+
+/// The hit point is alpha * a + beta * b + gamma * c, with alpha + beta + gamma = 1; t as for the ray.
+struct TriangleHit {
+  double t, alpha, beta, gamma;
+};
+
+/// Inside if the three partial areas add up to the whole, up to `tolerance` times the whole: the tolerance is needed
+/// because of rounding, and with it triangles overlap at their edges (13.07). No area, no ray, or parallel: no hit.
+std::optional<TriangleHit> hit_triangle_areas(const Ray& ray, const glm::vec3& a, const glm::vec3& b,
+                                              const glm::vec3& c, double tolerance = 1e-9);
+
+/// Inside if alpha, beta and gamma, quotients of oriented areas, lie in [0, 1] (13.10). Rays through a shared edge may
+/// miss both its triangles by rounding. No area, no ray, or parallel: no hit.
+std::optional<TriangleHit> hit_triangle_barycentric(const Ray& ray, const glm::vec3& a, const glm::vec3& b,
+                                                    const glm::vec3& c);
+
+/// What a watertight test needs of a ray: its largest axis z, the other two, and the shear that makes the ray the z
+/// axis of a space in which every vertex has the same place whichever triangle it belongs to.
+struct Shear {
+  glm::vec3 origin;
+  int x, y, z;
+  float shear_x, shear_y, scale_z;
+};
+
+/// The ray must be one (is_ray).
+Shear shear_of(const glm::vec3& origin, const glm::vec3& direction);
+
+/// Weights (not normalised, all of one sign, sum not 0) of the corners at which the ray's line meets the triangle, and
+/// its parameter t, which lies between those of the corners.
+struct ShearedHit {
+  double u, v, w, t;
+};
+
+/// Watertight: of two triangles with a common edge (bit by bit the same corners) a line through it meets at least one.
+/// Vertices are sheared in float; edge functions of the results are taken in double, where their sign is exact, so the
+/// line is inside exactly if the sheared triangle holds the origin. False if it is not, or the sheared triangle is
+/// flat.
+inline bool hit_sheared(const Shear& s, const float* a, const float* b, const float* c, ShearedHit& hit) {
+  const float az = a[s.z] - s.origin[s.z], bz = b[s.z] - s.origin[s.z], cz = c[s.z] - s.origin[s.z];
+  const float ax = (a[s.x] - s.origin[s.x]) - s.shear_x * az, ay = (a[s.y] - s.origin[s.y]) - s.shear_y * az;
+  const float bx = (b[s.x] - s.origin[s.x]) - s.shear_x * bz, by = (b[s.y] - s.origin[s.y]) - s.shear_y * bz;
+  const float cx = (c[s.x] - s.origin[s.x]) - s.shear_x * cz, cy = (c[s.y] - s.origin[s.y]) - s.shear_y * cz;
+  const auto cross = [](float px, float py, float qx, float qy) {
+    return static_cast<double>(px) * static_cast<double>(qy) - static_cast<double>(py) * static_cast<double>(qx);
+  };
+  hit.u = cross(cx, cy, bx, by);
+  hit.v = cross(ax, ay, cx, cy);
+  hit.w = cross(bx, by, ax, ay);
+  if ((hit.u < 0.0 || hit.v < 0.0 || hit.w < 0.0) && (hit.u > 0.0 || hit.v > 0.0 || hit.w > 0.0)) return false;
+  const double sum = hit.u + hit.v + hit.w;
+  if (!(sum != 0.0)) return false;
+  const double depth =
+      hit.u * static_cast<double>(az) + hit.v * static_cast<double>(bz) + hit.w * static_cast<double>(cz);
+  hit.t = depth / sum * static_cast<double>(s.scale_z);
+  return true;
+}
+
+/// Watertight test within the ray's interval; no ray or no area as seen by the ray: no hit.
+std::optional<TriangleHit> hit_triangle_watertight(const Ray& ray, const glm::vec3& a, const glm::vec3& b,
+                                                   const glm::vec3& c);
+
+}  // namespace sightline

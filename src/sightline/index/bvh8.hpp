@@ -1,0 +1,85 @@
+// Bounding volume hierarchy with eight children per node and bounds in eight bits (Ylitie, Karras and Laine 2017): the
+// fast and small one. 80 bytes a node, 40 bytes a triangle, which is stored in the leaves. Promise: the hits of brute
+// force, bit by bit, on every SIMD target. Checklist 13.14.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "sightline/geometry/frustum.hpp"
+#include "sightline/index/bvh.hpp"
+#include "sightline/index/trace.hpp"
+
+namespace sightline {
+
+/// Child i < inner is node `first_child + i`; children inner <= i < count are leaves, whose triangles follow each other
+/// from `first_triangle` on: leaf i is [ends[i - 1], ends[i]) (from 0 for the first leaf). Bounds of child i on an axis
+/// are origin + lo[i] * 2^(exponent - 127) to origin + hi[i] * 2^(exponent - 127).
+struct Bvh8Node {
+  glm::vec3 origin;
+  std::uint8_t exponent[3];
+  std::uint8_t counts;  // inner + 16 * count
+  std::uint32_t first_child, first_triangle;
+  std::uint8_t ends[8];
+  std::uint8_t lo[3][8], hi[3][8];
+
+  [[nodiscard]] int inner() const { return counts & 15; }
+  [[nodiscard]] int count() const { return counts >> 4; }
+};
+static_assert(sizeof(Bvh8Node) == 80);
+
+inline constexpr std::uint32_t bvh8_leaf_limit = 8;           // triangles in a leaf
+inline constexpr std::uint32_t bvh8_words_per_triangle = 10;  // place and nine coordinates
+
+struct Bvh8 {
+  TraceSpace space;
+  std::vector<Bvh8Node> nodes;  // nodes[0] is the root; empty if there is nothing to hit
+  /// 32-bit words. A leaf of k triangles from triangle f on is the k places in the soup at word 10 f, then k ax, k ay,
+  /// k az, k bx and so on: loaded as vectors without padding between leaves.
+  std::vector<std::uint32_t> triangles;
+  std::uint32_t triangle_count = 0;
+  int depth = 0;
+
+  [[nodiscard]] std::size_t bytes() const { return nodes.size() * sizeof(Bvh8Node) + triangles.size() * 4; }
+};
+
+/// Widens a binary hierarchy over the triangles of a soup (items are places, leaves of at most bvh8_leaf_limit) by
+/// opening the child of largest area first. Throws std::length_error above 2^28 triangles.
+Bvh8 widen(const Bvh& bvh, const TriangleSoup& soup);
+
+/// Surface area heuristic, then widened: what is wanted mostly.
+Bvh8 build_bvh8(const TriangleSoup& soup);
+
+/// The nearest triangle, or nothing for what is no ray.
+RayHit trace_nearest(const Bvh8& tree, const Ray& ray);
+RayHit trace_nearest(const Bvh8& tree, const Ray& ray, TraceCounters& counters);
+/// True if any triangle is met within the interval of the ray.
+bool trace_any(const Bvh8& tree, const Ray& ray);
+bool trace_any(const Bvh8& tree, const Ray& ray, TraceCounters& counters);
+/// The same without SIMD: the reference.
+RayHit trace_nearest_scalar(const Bvh8& tree, const Ray& ray, TraceCounters& counters);
+
+/// Tests the triangles of these leaves (as TraceCounters::tested names them) and nothing else.
+RayHit test_leaves(const Bvh8& tree, const Ray& ray, std::span<const std::uint32_t> leaves);
+
+/// True if no triangle lies between a and b.
+inline bool segment_visible(const Bvh8& tree, const glm::vec3& a, const glm::vec3& b,
+                            float clearance = default_clearance) {
+  return !trace_any(tree, segment_ray(a, b, clearance));
+}
+
+struct Segment {
+  glm::vec3 a, b;
+};
+/// visible[i] = 1 if no triangle lies between the ends of segment i, else 0: the answers of segment_visible, for many
+/// at once. Segments are sorted so that neighbours go the same way, and each is tried first against what hid those
+/// before it. On all threads; the same for any number.
+void segments_visible(const Bvh8& tree, std::span<const Segment> segments, std::span<std::uint8_t> visible,
+                      float clearance = default_clearance);
+
+/// Places of the triangles that touch the box / the frustum; ascending.
+std::vector<std::uint32_t> box_query(const Bvh8& tree, const Aabb& box);
+std::vector<std::uint32_t> frustum_query(const Bvh8& tree, const Frustum& frustum);
+
+}  // namespace sightline

@@ -1,0 +1,18 @@
+// An order in which neighbouring segments start and end near each other, so that tracing them one after the other finds
+// the same nodes in the cache and the same occluders.
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "sightline/geometry/aabb.hpp"
+
+namespace sightline {
+
+struct Segment;
+
+/// Indices of the segments along a Morton curve through the six coordinates of their ends (five bits each) within the
+/// bounds; equal ones keep their order. Ends that are not finite go anywhere.
+std::vector<std::uint32_t> coherent_order(const Aabb& bounds, std::span<const Segment> segments);
+
+}  // namespace sightline
