@@ -8,6 +8,7 @@ namespace sightline {
 struct Counters {
   std::uint64_t nodes_visited = 0;       // nodes of a space partition
   std::uint64_t boxes_tested = 0;        // bounds tested against the frustum
+  std::uint64_t corner_rejects = 0;      // bounds that the planes let pass and the box around the frustum does not
   std::uint64_t queries = 0;             // bounds tested for occlusion
   std::uint64_t occluders = 0;           // objects drawn as occluders
   std::uint64_t occluder_triangles = 0;  // triangles of those objects, before any culling
@@ -21,6 +22,7 @@ struct Counters {
   void each(F&& f) const {
     f("nodes_visited", nodes_visited);
     f("boxes_tested", boxes_tested);
+    f("corner_rejects", corner_rejects);
     f("queries", queries);
     f("occluders", occluders);
     f("occluder_triangles", occluder_triangles);
