@@ -136,7 +136,6 @@ struct Task {
   void draw(OcclusionBuffer& buffer, const View& view, double resolution) const {
     buffer.begin(view, static_cast<int>(view.width * resolution), static_cast<int>(view.height * resolution));
     for (const Object& object : occluders.objects()) buffer.add_occluder(meshes[object.mesh], object.transform);
-    buffer.finish();
   }
 };
 

@@ -24,7 +24,6 @@ Aabb box_at(const glm::vec3& centre, float half) { return {centre - half, centre
 TEST(OcclusionBuffer, NothingIsHiddenWithoutOccluders) {
   OcclusionBuffer buffer;
   buffer.begin(front_view(), 80, 45);
-  buffer.finish();
   EXPECT_TRUE(buffer.may_be_seen(box_at({0, 0, -10}, 1)));
   EXPECT_TRUE(std::isinf(buffer.hidden_beyond(40, 22)));
 }
@@ -35,7 +34,6 @@ TEST(OcclusionBuffer, AWallHidesWhatIsBehindItAndNothingElse) {
     OcclusionBuffer buffer;
     buffer.begin(front_view(), width, std::max(1, width * 9 / 16));
     buffer.add_occluder(wall, identity_affine());
-    buffer.finish();
     EXPECT_FALSE(buffer.may_be_seen(box_at({0, 0, -8}, 1))) << width;
     EXPECT_FALSE(buffer.may_be_seen(box_at({0, 0, -5.1f}, 0.05f))) << width;
     EXPECT_TRUE(buffer.may_be_seen(box_at({0, 0, -3}, 1))) << width;
@@ -59,7 +57,6 @@ TEST(OcclusionBuffer, TheInnerEdgesOfAFineMeshLeaveNoSeam) {
   OcclusionBuffer buffer;
   buffer.begin(front_view(), 64, 36);
   buffer.add_occluder(occluder(grid), identity_affine());
-  buffer.finish();
   for (int y = 0; y < 36; ++y)
     for (int x = 0; x < 64; ++x) EXPECT_NEAR(buffer.hidden_beyond(x, y), 5.0f, 0.01f) << x << ' ' << y;
 }
@@ -71,7 +68,6 @@ TEST(OcclusionBuffer, AGapIsNeverClosedHoweverThin) {
     buffer.begin(front_view(), 64, 36);
     buffer.add_occluder(half, cases::at({0.37f + gap, 0, -5}));
     buffer.add_occluder(half, cases::at({0.37f - 20, 0, -5}));
-    buffer.finish();
     EXPECT_TRUE(buffer.may_be_seen(box_at({0.37f * 2, 0, -10}, 0.2f))) << gap;
     EXPECT_FALSE(buffer.may_be_seen(box_at({4, 0, -10}, 0.5f))) << gap;
   }
@@ -85,7 +81,6 @@ TEST(OcclusionBuffer, OccludersBeforeTheNearPlaneAndAcrossIt) {
   buffer.begin(view, 160, 90);
   buffer.add_occluder(occluder(floor), identity_affine());
   buffer.add_occluder(occluder(cases::quad({-9, -9, -0.3f}, {18, 0, 0}, {0, 18, 0})), identity_affine());  // before it
-  buffer.finish();
   EXPECT_FALSE(buffer.may_be_seen(box_at({0, -3, -10}, 0.5f))) << "under the floor";
   EXPECT_TRUE(buffer.may_be_seen(box_at({0, 1, -10}, 0.5f))) << "above the floor";
   EXPECT_TRUE(buffer.may_be_seen(box_at({0, 0, 0}, 1))) << "around the eye";
@@ -99,7 +94,6 @@ TEST(OcclusionBuffer, OrthographicViews) {
   OcclusionBuffer buffer;
   buffer.begin(view, 80, 45);
   buffer.add_occluder(occluder(cases::quad({-2, -2, -5}, {4, 0, 0}, {0, 4, 0})), identity_affine());
-  buffer.finish();
   EXPECT_FALSE(buffer.may_be_seen(box_at({0, 0, -100}, 1.5f)));
   EXPECT_TRUE(buffer.may_be_seen(box_at({1, 0, -100}, 1.5f))) << "peeks out at the side";
   EXPECT_TRUE(buffer.may_be_seen(box_at({0, 0, -3}, 1)));
@@ -111,7 +105,6 @@ TEST(OcclusionBuffer, ClosedMeshesDrawFrontFacesMirroredOnesToo) {
     OcclusionBuffer buffer;
     buffer.begin(front_view(), 80, 45);
     buffer.add_occluder(box, {{sign, 0, 0}, {0, 1, 0}, {0, 0, 1}, {0, 0, -8}});
-    buffer.finish();
     EXPECT_EQ(buffer.counts().triangles_filled, 2u);
     EXPECT_NEAR(buffer.hidden_beyond(40, 22), 6.0f, 0.01f) << "the front face, not the back one";
   }
@@ -124,7 +117,6 @@ std::vector<float> pixels(const Scene& scene, const View& view, bool scalar) {
   std::vector<OccluderMesh> meshes;
   for (const Mesh& mesh : scene.meshes()) meshes.push_back(occluder(mesh));
   for (const Object& object : scene.objects()) buffer.add_occluder(meshes[object.mesh], object.transform);
-  buffer.finish();
   std::vector<float> result;
   for (int y = 0; y < 57; ++y)
     for (int x = 0; x < 101; ++x) result.push_back(buffer.hidden_beyond(x, y));

@@ -8,6 +8,7 @@ namespace sightline {
 struct Counters {
   std::uint64_t nodes_visited = 0;       // nodes of a space partition
   std::uint64_t boxes_tested = 0;        // bounds tested against the frustum
+  std::uint64_t corner_rejects = 0;      // bounds that the planes let pass and the box around the frustum does not
   std::uint64_t queries = 0;             // bounds tested for occlusion
   std::uint64_t queries_saved = 0;       // bounds that a cheaper test found visible before a query
   std::uint64_t query_batches = 0;       // groups of queries that wait for each other's drawing
@@ -29,6 +30,7 @@ struct Counters {
   void each(F&& f) const {
     f("nodes_visited", nodes_visited);
     f("boxes_tested", boxes_tested);
+    f("corner_rejects", corner_rejects);
     f("queries", queries);
     f("queries_saved", queries_saved);
     f("query_batches", query_batches);

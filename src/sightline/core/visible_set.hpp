@@ -27,6 +27,11 @@ class VisibleSet {
     word |= bit;
     order_.push_back(id);
   }
+  /// Adds ids, none of which may be in the set already, in their order.
+  void insert_new(std::span<const ObjectId> ids) {
+    for (const ObjectId id : ids) bits_[id >> 6] |= std::uint64_t{1} << (id & 63);
+    order_.insert(order_.end(), ids.begin(), ids.end());
+  }
   [[nodiscard]] bool contains(ObjectId id) const { return ((bits_[id >> 6] >> (id & 63)) & 1) != 0; }
   [[nodiscard]] std::size_t universe() const { return universe_; }
   [[nodiscard]] std::size_t count() const { return order_.size(); }

@@ -1,19 +1,39 @@
 #include "sightline/cull/frustum_hierarchical.hpp"
 
+#include <algorithm>
+#include <bit>
+
+#include "sightline/geometry/frustum_boxes.hpp"
+
 namespace sightline {
 namespace {
 
+/// Subtrees with at most so many objects are tested object by object, a vector of them at once.
+constexpr std::uint32_t few = 64;
+
 class FrustumHierarchical final : public Culler {
  public:
-  explicit FrustumHierarchical(const IndexedScene& scene) : bvh_(scene.bvh), reach_(reach(scene.scene.bounds())) {
-    boxes_.reserve(bvh_.items.size());
-    for (const ObjectId id : bvh_.items) boxes_.push_back(scene.scene.objects()[id].bounds);
+  FrustumHierarchical(const IndexedScene& scene, bool corners)
+      : bvh_(scene.bvh),
+        reach_(reach(scene.scene.bounds())),
+        corners_(corners),
+        boxes_(in_tree_order(scene)),
+        ranges_(bvh_.nodes.size()),
+        last_plane_(bvh_.nodes.size(), 0),
+        found_(255 + 16)  // the largest leaf {
+    for (std::size_t i = bvh_.nodes.size(); i-- > 0;) {
+      const BvhNode& node = bvh_.nodes[i];
+      ranges_[i] = node.leaf() ? ItemRange{node.first, node.first + node.count}
+                               : ItemRange{ranges_[node.first].begin, ranges_[node.first + 1].end};
+    }
+    for (const ObjectId id : bvh_.items) has_empty_ = has_empty_ || scene.scene.objects()[id].bounds.empty();
   }
 
   void cull(const View& view, const VisibleSet& candidates, VisibleSet& visible, Counters& counters) override {
     visible.reset(candidates.universe());
     if (bvh_.nodes.empty()) return;
     const Frustum frustum = view_frustum(view, reach_);
+    const Aabb around = corners_ ? frustum_bounds(view) : Aabb();
     const bool all = candidates.is_all();
     stack_.assign(1, {0, (1u << frustum.count) - 1u});
     while (!stack_.empty()) {
@@ -22,36 +42,79 @@ class FrustumHierarchical final : public Culler {
       const BvhNode& node = bvh_.nodes[index];
       std::uint32_t planes = parent_planes;
       ++counters.nodes_visited;
-      if (outside(frustum, node.bounds, planes, counters)) continue;
-      if (planes != 0 && !node.leaf()) {
+      ++counters.boxes_tested;
+      if (outside(frustum, node.bounds, planes, last_plane_[index])) continue;
+      if (corners_ && planes != 0 && !node.bounds.overlaps(around)) {
+        ++counters.corner_rejects;
+        continue;
+      }
+      const ItemRange items = ranges_[index];
+      if (planes == 0 && !has_empty_) {  // wholly inside: no more tests below
+        take(items, all, candidates, visible);
+        continue;
+      }
+      if (!node.leaf() && items.end - items.begin > few) {
         stack_.push_back({node.first + 1, planes});
         stack_.push_back({node.first, planes});
         continue;
       }
-      const ItemRange items = items_below(bvh_, index);  // wholly inside: no more tests below
-      for (std::uint32_t i = items.begin; i < items.end; ++i) {
-        const ObjectId id = bvh_.items[i];
-        std::uint32_t object_planes = planes;
-        if ((all || candidates.contains(id)) && !boxes_[i].empty() &&
-            !outside(frustum, boxes_[i], object_planes, counters))
-          visible.insert(id);
+      counters.boxes_tested += items.end - items.begin;
+      const std::size_t found = boxes_in_frustum(boxes_, items.begin, items.end, frustum, planes, found_.data());
+      for (std::size_t i = 0; i < found; ++i) {
+        const std::uint32_t item = found_[i];
+        const ObjectId id = bvh_.items[item];
+        if (!all && !candidates.contains(id)) continue;
+        if (corners_ && misses(around, item)) {
+          ++counters.corner_rejects;
+          continue;
+        }
+        visible.insert(id);
       }
     }
   }
+
+  void reset() override { std::fill(last_plane_.begin(), last_plane_.end(), std::uint8_t{0}); }
 
  private:
   struct Visit {
     std::uint32_t node, planes;
   };
 
-  /// True if the box lies outside one of the planes of the mask; clears the planes that it lies wholly inside of.
-  static bool outside(const Frustum& frustum, const Aabb& box, std::uint32_t& planes, Counters& counters) {
+  static BoxArrays in_tree_order(const IndexedScene& scene) {
+    std::vector<Aabb> boxes;
+    boxes.reserve(scene.bvh.items.size());
+    for (const ObjectId id : scene.bvh.items) boxes.push_back(scene.scene.objects()[id].bounds);
+    return BoxArrays(boxes);
+  }
+
+  void take(const ItemRange& items, bool all, const VisibleSet& candidates, VisibleSet& visible) const {
+    if (all) {
+      visible.insert_new(std::span(bvh_.items).subspan(items.begin, items.end - items.begin));
+      return;
+    }
+    for (std::uint32_t i = items.begin; i < items.end; ++i)
+      if (candidates.contains(bvh_.items[i])) visible.insert(bvh_.items[i]);
+  }
+
+  [[nodiscard]] bool misses(const Aabb& around, std::uint32_t item) const {
+    for (int axis = 0; axis < 3; ++axis)
+      if (boxes_.lo[axis][item] > around.hi[axis] || boxes_.hi[axis][item] < around.lo[axis]) return true;
+    return false;
+  }
+
+  /// True if the box lies outside one of the planes of the mask; clears the planes that it lies wholly inside of. The
+  /// plane that rejected the node last time is tried first.
+  static bool outside(const Frustum& frustum, const Aabb& box, std::uint32_t& planes, std::uint8_t& last_plane) {
     if (planes == 0) return false;
-    ++counters.boxes_tested;
-    for (int i = 0; i < frustum.count; ++i) {
-      if (((planes >> i) & 1u) == 0) continue;
+    if (((planes >> last_plane) & 1u) != 0 && classify(frustum.planes[last_plane], box) == Containment::outside)
+      return true;
+    for (std::uint32_t left = planes; left != 0; left &= left - 1) {
+      const int i = std::countr_zero(left);
       const Containment c = classify(frustum.planes[static_cast<std::size_t>(i)], box);
-      if (c == Containment::outside) return true;
+      if (c == Containment::outside) {
+        last_plane = static_cast<std::uint8_t>(i);
+        return true;
+      }
       if (c == Containment::inside) planes &= ~(1u << i);
     }
     return false;
@@ -59,15 +122,21 @@ class FrustumHierarchical final : public Culler {
 
   const Bvh& bvh_;
   double reach_;
-  std::vector<Aabb> boxes_;  // of bvh_.items, in their order
+  bool corners_, has_empty_ = false;
+  BoxArrays boxes_;                       // of bvh_.items, in their order
+  std::vector<ItemRange> ranges_;         // items below each node
+  std::vector<std::uint8_t> last_plane_;  // per node: the plane that rejected it last
+  std::vector<std::uint32_t> found_;
   std::vector<Visit> stack_;
 };
 
 }  // namespace
 
 std::unique_ptr<Culler> make_frustum_hierarchical(const IndexedScene& scene, ParameterReader& parameters) {
+  bool corners = false;
+  parameters.read("corners", corners);
   parameters.finish();
-  return std::make_unique<FrustumHierarchical>(scene);
+  return std::make_unique<FrustumHierarchical>(scene, corners);
 }
 
 }  // namespace sightline

@@ -16,8 +16,12 @@ class FrustumLinear final : public Culler {
     const std::size_t found = scalar_ ? boxes_in_frustum_scalar(boxes_, frustum, ids_.data())
                                       : boxes_in_frustum(boxes_, frustum, ids_.data());
     const bool all = candidates.is_all();
-    for (std::size_t i = 0; i < found; ++i)
-      if (all || candidates.contains(ids_[i])) visible.insert(ids_[i]);
+    if (all) {
+      visible.insert_new({ids_.data(), found});
+    } else {
+      for (std::size_t i = 0; i < found; ++i)
+        if (candidates.contains(ids_[i])) visible.insert(ids_[i]);
+    }
     counters.boxes_tested += boxes_.count;
   }
 

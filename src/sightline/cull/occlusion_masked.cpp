@@ -29,6 +29,7 @@ class OcclusionMasked final : public Culler {
     });
     if (config.tight > 1.0) tight_ = OccludeeBounds(scene.scene, {.sigma = config.tight});
   }
+        occluders_(config.occluders ? config.occluders : own_occluders(scene.scene, config)) {}
 
   void cull(const View& view, const VisibleSet& candidates, VisibleSet& visible, Counters& counters) override {
     visible.reset(candidates.universe());
@@ -43,10 +44,24 @@ class OcclusionMasked final : public Culler {
   struct Visit {
     std::uint32_t node, planes;
   };
-  struct Occluder {
+  struct Choice {
     ObjectId id;
     float value;
   };
+
+  /// Every mesh its own occluder, unless it can never fit the budget.
+  static std::shared_ptr<const OccluderSet> own_occluders(const Scene& scene, const OcclusionMaskedConfig& config) {
+    auto set = std::make_shared<OccluderSet>();
+    set->by_mesh.resize(scene.meshes().size());
+    parallel_blocks(set->by_mesh.size(), 4, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t i = begin; i < end; ++i) {
+        const Mesh& mesh = scene.meshes()[i];
+        if (mesh.triangles.size() <= static_cast<std::size_t>(config.triangles))
+          set->by_mesh[i] = make_occluder(mesh.positions, mesh.triangles);
+      }
+    });
+    return set;
+  }
 
   static bool outside(const Frustum& frustum, const Aabb& box, std::uint32_t& planes) {
     for (int i = 0; i < frustum.count && planes != 0; ++i) {
@@ -60,7 +75,7 @@ class OcclusionMasked final : public Culler {
 
   /// Opaque candidates in the frustum that look large, best first: seen size against triangles.
   void find_occluders(const View& view, const VisibleSet& candidates, Counters& counters) {
-    occluders_.clear();
+    choices_.clear();
     const bool all = candidates.is_all();
     const double focal = view.projection == Projection::perspective ? view.height / (2 * std::tan(0.5 * view.fov_y))
                                                                     : view.height / view.span_y;
@@ -91,11 +106,13 @@ class OcclusionMasked final : public Culler {
         const auto triangles = static_cast<double>(triangles_of(object.mesh));
         if (config_.automatic && triangles == 0) continue;
         occluders_.push_back({id, static_cast<float>(size * size / (triangles + 30.0))});
+        const std::uint32_t triangles = occluders_->by_mesh[object.mesh].triangle_count;
+        if (triangles == 0 || size * size < config_.detail * triangles) continue;
+        choices_.push_back({id, static_cast<float>(size * size / (triangles + 30.0))});
       }
     }
-    std::sort(occluders_.begin(), occluders_.end(), [](const Occluder& a, const Occluder& b) {
-      return a.value != b.value ? a.value > b.value : a.id < b.id;
-    });
+    std::sort(choices_.begin(), choices_.end(),
+              [](const Choice& a, const Choice& b) { return a.value != b.value ? a.value > b.value : a.id < b.id; });
   }
 
   /// About how many view pixels the middle extent of a box looks long from the eye; infinity for an eye inside.
@@ -142,6 +159,7 @@ class OcclusionMasked final : public Culler {
     return nearest > view.near + 1e-6 * (glm::length(lo) + glm::length(hi) + glm::length(view.eye));
   }
 
+  /// The best first, in rounds: what one round hides is not drawn in the next, and costs nothing of the budget.
   void draw_occluders(const View& view, Counters& counters) {
     const auto scaled = [&](int pixels) {
       return std::clamp(static_cast<int>(std::lround(pixels * config_.resolution)), 1, 16384);
@@ -156,8 +174,21 @@ class OcclusionMasked final : public Culler {
       buffer_.add_occluder(meshes_[object.mesh], object.transform);
       if (config_.automatic && solids_[object.mesh].triangle_count > 0 && behind_near(object.bounds, view))
         buffer_.add_occluder(solids_[object.mesh], object.transform);
+    buffer_.begin(view, scaled(view.width), scaled(view.height),
+                  config_.centres ? Coverage::centres : Coverage::squares);
+    std::int64_t budget = config_.triangles, round_size = 1024;
+    for (std::size_t next = 0; next < choices_.size() && budget > 0; round_size *= 2) {
+      round_.clear();
+      for (std::int64_t round = round_size; next < choices_.size() && round > 0; ++next) {
+        const Object& object = scene_.objects()[choices_[next].id];
+        const OccluderMesh& mesh = occluders_->by_mesh[object.mesh];
+        if (mesh.triangle_count > budget || !buffer_.may_be_seen_by_rectangle(object.bounds)) continue;
+        budget -= mesh.triangle_count;
+        round -= mesh.triangle_count;
+        round_.push_back({&mesh, object.transform});
+      }
+      buffer_.add_occluders(round_);
     }
-    buffer_.finish();
     counters.occluders += buffer_.counts().occluders;
     counters.occluder_triangles += buffer_.counts().occluder_triangles;
     counters.triangles_filled += buffer_.counts().triangles_filled;
@@ -166,26 +197,28 @@ class OcclusionMasked final : public Culler {
   void collect(const View& view, const VisibleSet& candidates, VisibleSet& visible, Counters& counters) {
     const bool all = candidates.is_all();
     const glm::vec3 direction(view_direction(view));
-    stack_.assign(1, {0, (1u << frustum_.count) - 1u});
+    stack_.clear();
+    std::uint32_t root_planes = (1u << frustum_.count) - 1u;
+    if (!outside(frustum_, bvh_.nodes[0].bounds, root_planes)) stack_.push_back({0, root_planes});
     while (!stack_.empty()) {
-      const auto [index, parent_planes] = stack_.back();
+      const auto [index, planes] = stack_.back();
       stack_.pop_back();
       const BvhNode& node = bvh_.nodes[index];
-      std::uint32_t planes = parent_planes;
       ++counters.nodes_visited;
-      ++counters.boxes_tested;
-      if (outside(frustum_, node.bounds, planes)) continue;
-      ++counters.queries;
-      if (!buffer_.may_be_seen(node.bounds)) continue;
-      if (!node.leaf()) {
-        const Aabb &left = bvh_.nodes[node.first].bounds, &right = bvh_.nodes[node.first + 1].bounds;
-        const bool left_first = glm::dot(direction, left.centre() - right.centre()) <= 0.0f;
-        stack_.push_back({left_first ? node.first + 1 : node.first, planes});
-        stack_.push_back({left_first ? node.first : node.first + 1, planes});
+      if (node.leaf()) {
+        collect_objects(node, planes, all, candidates, visible, counters);
         continue;
       }
-      for (std::uint32_t i = node.first; i < node.first + node.count; ++i)
-        collect_object(bvh_.items[i], planes, all, candidates, visible, counters);
+      const Aabb boxes[2] = {bvh_.nodes[node.first].bounds, bvh_.nodes[node.first + 1].bounds};
+      std::uint32_t masks[2] = {planes, planes};
+      std::uint8_t seen[2];
+      buffer_.test(boxes, seen, false);
+      counters.boxes_tested += 2;
+      counters.queries += 2;
+      const std::uint32_t near = glm::dot(direction, boxes[0].centre() - boxes[1].centre()) <= 0.0f ? 0u : 1u;
+      for (const std::uint32_t child : {1u - near, near})
+        if (seen[child] != 0 && !outside(frustum_, boxes[child], masks[child]))
+          stack_.push_back({node.first + child, masks[child]});
     }
   }
 
@@ -204,6 +237,25 @@ class OcclusionMasked final : public Culler {
         }))
       return;
     visible.insert(id);
+  void collect_objects(const BvhNode& leaf, std::uint32_t planes, bool all, const VisibleSet& candidates,
+                       VisibleSet& visible, Counters& counters) {
+    leaf_ids_.clear();
+    leaf_boxes_.clear();
+    for (std::uint32_t i = leaf.first; i < leaf.first + leaf.count; ++i) {
+      const ObjectId id = bvh_.items[i];
+      const Aabb& box = scene_.objects()[id].bounds;
+      if ((!all && !candidates.contains(id)) || box.empty()) continue;
+      ++counters.boxes_tested;
+      std::uint32_t object_planes = planes;
+      if (outside(frustum_, box, object_planes)) continue;
+      leaf_ids_.push_back(id);
+      leaf_boxes_.push_back(box);
+    }
+    counters.queries += leaf_ids_.size();
+    leaf_seen_.resize(leaf_ids_.size());
+    buffer_.test(leaf_boxes_, leaf_seen_);
+    for (std::size_t i = 0; i < leaf_ids_.size(); ++i)
+      if (leaf_seen_[i] != 0) visible.insert(leaf_ids_[i]);
   }
 
   const Scene& scene_;
@@ -213,18 +265,29 @@ class OcclusionMasked final : public Culler {
   OccludeeBounds tight_;              // empty without
   std::vector<OccluderMesh> meshes_;  // by mesh id; empty where it can never fit the budget
   std::vector<OccluderMesh> solids_;  // by mesh id: boxes inside of it; automatic occluders only
+  std::shared_ptr<const OccluderSet> occluders_;
   Frustum frustum_;
   std::vector<Visit> stack_;
-  std::vector<Occluder> occluders_;
+  std::vector<Choice> choices_;
+  std::vector<OccluderInstance> round_;
+  std::vector<ObjectId> leaf_ids_;
+  std::vector<Aabb> leaf_boxes_;
+  std::vector<std::uint8_t> leaf_seen_;
 };
 
 }  // namespace
+
+std::unique_ptr<Culler> make_occlusion_masked(const IndexedScene& scene, const OcclusionMaskedConfig& config) {
+  return std::make_unique<OcclusionMasked>(scene, config);
+}
 
 std::unique_ptr<Culler> make_occlusion_masked(const IndexedScene& scene, ParameterReader& parameters) {
   OcclusionMaskedConfig config;
   parameters.read("resolution", config.resolution, 1.0 / 16, 2.0);
   parameters.read("triangles", config.triangles, 0, 1 << 30);
   parameters.read("min_size", config.min_size, 0.0, 1e6);
+  parameters.read("detail", config.detail, 0.0, 1e6);
+  parameters.read("centres", config.centres);
   parameters.read("scalar", config.scalar);
   std::string occluders = "all";
   parameters.read("occluders", occluders);
@@ -235,6 +298,10 @@ std::unique_ptr<Culler> make_occlusion_masked(const IndexedScene& scene, Paramet
     throw InputError("", "occlusion_masked: occluders", "must be all or auto, not '" + occluders + "'");
   config.automatic = occluders == "auto";
   return std::make_unique<OcclusionMasked>(scene, config);
+  if (config.centres && config.resolution != 1.0)
+    throw InputError("occlusion_masked", "centres",
+                     "pixel centres alone count only in a buffer of the view's size: resolution=1");
+  return make_occlusion_masked(scene, config);
 }
 
 }  // namespace sightline

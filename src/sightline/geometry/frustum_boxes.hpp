@@ -1,6 +1,6 @@
 // Many boxes against the planes of a frustum at once: bounds as arrays, one per coordinate, tested by p-vertices in
 // SIMD (Highway, best target of the machine) or one by one (the reference). Both give the answers of classify() bit by
-// bit.
+// bit (checklist 20.14).
 #pragma once
 
 #include <cstdint>
@@ -22,5 +22,9 @@ struct BoxArrays {
 /// how many. Conservative as classify() is.
 std::size_t boxes_in_frustum(const BoxArrays& boxes, const Frustum& frustum, std::uint32_t* ids);
 std::size_t boxes_in_frustum_scalar(const BoxArrays& boxes, const Frustum& frustum, std::uint32_t* ids);
+
+/// The same for boxes [begin, end) and the planes of a bit mask alone; `ids` must hold end - begin + 16.
+std::size_t boxes_in_frustum(const BoxArrays& boxes, std::size_t begin, std::size_t end, const Frustum& frustum,
+                             std::uint32_t planes, std::uint32_t* ids);
 
 }  // namespace sightline

@@ -3,14 +3,50 @@
 #include <algorithm>
 #include <array>
 #include <cassert>
+#include <cmath>
 #include <limits>
-#include <numeric>
 
 namespace sightline {
 namespace {
 
+constexpr float nowhere = std::numeric_limits<float>::max();
+constexpr int most_bins = 64;
+constexpr std::uint32_t most_for_all_axes = 512;
+
+/// Four floats in one register (the compilers' generic vectors); the fourth means nothing.
+using Float4 __attribute__((vector_size(16))) = float;
+struct Vector {
+  Float4 v;
+};
+inline Vector all(float x) { return {Float4{x, x, x, x}}; }
+inline Vector min(const Vector& a, const Vector& b) { return {a.v < b.v ? a.v : b.v}; }
+inline Vector max(const Vector& a, const Vector& b) { return {a.v > b.v ? a.v : b.v}; }
+
+/// Empty boxes are [nowhere, -nowhere], so that their centre is 0 and they never widen anything.
+struct Box {
+  Vector lo = all(nowhere), hi = all(-nowhere);
+  void extend(const Vector& low, const Vector& high) {
+    lo = min(lo, low);
+    hi = max(hi, high);
+  }
+  void extend_by(const Vector& point) { extend(point, point); }
+  void extend(const Box& box) { extend(box.lo, box.hi); }
+  [[nodiscard]] Aabb aabb() const {
+    if (lo.v[0] > hi.v[0]) return {};
+    return {{lo.v[0], lo.v[1], lo.v[2]}, {hi.v[0], hi.v[1], hi.v[2]}};
+  }
+  /// Twice the centre.
+  [[nodiscard]] Vector centre() const { return {lo.v + hi.v}; }
+  [[nodiscard]] float half_area() const {
+    const Vector e{hi.v - lo.v};
+    return e.v[0] < 0.0f ? 0.0f : e.v[0] * e.v[1] + e.v[1] * e.v[2] + e.v[2] * e.v[0];
+  }
+};
+
+/// A range of boxes that becomes a node. `centres` bounds twice the centres of its boxes.
 struct Range {
   std::uint32_t node, begin, end;
+  Box bounds, centres;
 };
 
 struct Split {
@@ -21,113 +57,170 @@ struct Split {
 
 class Builder {
  public:
-  Builder(std::span<const Aabb> boxes, const BvhConfig& config) : config_(config) {
-    entries_.reserve(boxes.size());
-    for (std::uint32_t i = 0; i < boxes.size(); ++i)
-      entries_.push_back({boxes[i], boxes[i].empty() ? glm::vec3(0.0f) : boxes[i].centre(), i});
+  Builder(std::span<const Aabb> boxes, const BvhConfig& config)
+      : config_(config), boxes_(boxes.size()), ids_(boxes.size()) {
+    for (std::size_t i = 0; i < boxes.size(); ++i) {
+      ids_[i] = static_cast<std::uint32_t>(i);
+      const Aabb& b = boxes[i];
+      if (!b.empty()) boxes_[i] = {{Float4{b.lo.x, b.lo.y, b.lo.z, 0.0f}}, {Float4{b.hi.x, b.hi.y, b.hi.z, 0.0f}}};
+    }
   }
 
   Bvh build() {
-    if (entries_.empty()) return {};
-    bvh_.nodes.reserve(2 * entries_.size());
+    const auto count = static_cast<std::uint32_t>(boxes_.size());
+    if (count == 0) return {};
+    bvh_.nodes.reserve(boxes_.size() + 1);
     bvh_.nodes.emplace_back();
     // No recursion: a chain of boxes must not exhaust the stack.
-    std::vector<Range> stack{{0, 0, static_cast<std::uint32_t>(entries_.size())}};
+    std::vector<Range> stack{whole(0, count)};
     while (!stack.empty()) {
       const Range range = stack.back();
       stack.pop_back();
-      const std::uint32_t middle = make_node(range);
-      if (middle == range.begin) continue;
+      BvhNode& node = bvh_.nodes[range.node];
+      node.bounds = range.bounds.aabb();
+      if (range.end - range.begin <= static_cast<std::uint32_t>(config_.max_leaf_size)) {
+        node.first = range.begin;
+        node.count = range.end - range.begin;
+        continue;
+      }
       const auto left = static_cast<std::uint32_t>(bvh_.nodes.size());
-      bvh_.nodes[range.node].first = left;
+      node.first = left;
       bvh_.nodes.resize(bvh_.nodes.size() + 2);
-      stack.push_back({left + 1, middle, range.end});
-      stack.push_back({left, range.begin, middle});
+      Range children[2];
+      split(range, children);
+      children[0].node = left;
+      children[1].node = left + 1;
+      stack.push_back(children[1]);
+      stack.push_back(children[0]);
     }
-    bvh_.items.reserve(entries_.size());
-    for (const Entry& entry : entries_) bvh_.items.push_back(entry.id);
+    bvh_.items = std::move(ids_);
     return std::move(bvh_);
   }
 
  private:
-  struct Entry {
-    Aabb box;
-    glm::vec3 centre;
-    std::uint32_t id;
-  };
-  struct Bin {
-    Aabb box;
-    std::uint32_t count = 0;
-  };
-
-  /// Fills the node's bounds; returns where to split its range, or range.begin for a leaf.
-  std::uint32_t make_node(const Range& range) {
-    Aabb bounds, centres;
-    for (std::uint32_t i = range.begin; i < range.end; ++i) {
-      bounds.extend(entries_[i].box);
-      centres.extend(entries_[i].centre);
-    }
-    BvhNode& node = bvh_.nodes[range.node];
-    node.bounds = bounds;
+  void split(const Range& range, Range* children) {
     const std::uint32_t count = range.end - range.begin;
-    if (count <= static_cast<std::uint32_t>(config_.max_leaf_size)) {
-      node.first = range.begin;
-      node.count = count;
-      return range.begin;
-    }
-    const Split split = best_split(range, centres);
-    if (split.axis < 0) return range.begin + count / 2;  // all centroids coincide
-    const auto first = entries_.begin() + range.begin, last = entries_.begin() + range.end;
-    const auto middle =
-        std::partition(first, last, [&](const Entry& e) { return bin_of(e.centre, centres, split.axis) <= split.bin; });
-    return static_cast<std::uint32_t>(middle - entries_.begin());
-  }
-
-  int bin_of(const glm::vec3& centre, const Aabb& centres, int axis) const {
-    const float extent = centres.hi[axis] - centres.lo[axis];
-    const float place = (centre[axis] - centres.lo[axis]) / extent * static_cast<float>(config_.bins);
-    return std::clamp(static_cast<int>(place), 0, config_.bins - 1);
-  }
-
-  Split best_split(const Range& range, const Aabb& centres) {
-    Split best;
+    bins_used_ = std::min(config_.bins, count > 64 ? most_bins : count > 16 ? 8 : 4);
+    from_ = range.centres.lo;
     for (int axis = 0; axis < 3; ++axis) {
-      const float extent = centres.hi[axis] - centres.lo[axis];
-      if (!(extent > 0.0f)) continue;
-      bins_.fill({});
-      for (std::uint32_t i = range.begin; i < range.end; ++i) {
-        Bin& bin = bins_[static_cast<std::size_t>(bin_of(entries_[i].centre, centres, axis))];
-        bin.box.extend(entries_[i].box);
-        ++bin.count;
-      }
-      sweep(axis, best);
+      const float extent = range.centres.hi.v[axis] - from_.v[axis];
+      const float per_unit = static_cast<float>(bins_used_) / extent;
+      per_unit_.v[axis] = extent > 0.0f && per_unit < nowhere ? per_unit : 0.0f;
     }
+    // Where there are very many boxes the longest axis is as good as the best one, and two thirds of the work are
+    // saved.
+    axes_ = {0, 3};
+    if (count > most_for_all_axes) {
+      const Float4 extent = range.centres.hi.v - range.centres.lo.v;
+      const int longest = extent[0] >= extent[1] && extent[0] >= extent[2] ? 0 : extent[1] >= extent[2] ? 1 : 2;
+      axes_ = {longest, longest + 1};
+    }
+    const Split best = best_split(range);
+    std::uint32_t middle = range.begin;
+    if (best.axis >= 0) middle = partition(range, best, children);
+    if (middle != range.begin && middle != range.end) return;
+    // All centres coincide: anywhere is as good.
+    middle = range.begin + count / 2;
+    children[0] = whole(range.begin, middle);
+    children[1] = whole(middle, range.end);
+  }
+
+  [[nodiscard]] Range whole(std::uint32_t begin, std::uint32_t end) const {
+    Range range{0, begin, end, {}, {}};
+    for (std::uint32_t i = begin; i < end; ++i) {
+      const Vector centre = boxes_[i].centre();
+      range.bounds.extend(boxes_[i]);
+      range.centres.extend_by(centre);
+    }
+    return range;
+  }
+
+  [[nodiscard]] int bin_of(float twice_centre, int axis) const {
+    return std::min(static_cast<int>((twice_centre - from_.v[axis]) * per_unit_.v[axis]), bins_used_ - 1);
+  }
+
+  /// Moves the left side's boxes to the front; returns where the right side begins.
+  std::uint32_t partition(const Range& range, const Split& best, Range* children) {
+    Box left_centres, right_centres, bounds[2];
+    for (int b = 0; b < bins_used_; ++b) bounds[b > best.bin].extend(bins_[best.axis][b]);
+    const int axis = best.axis;
+    std::uint32_t left = range.begin, right = range.end;
+    const auto goes_left = [&](const Box& box) {
+      const float twice_centre = box.lo.v[axis] + box.hi.v[axis];
+      return bin_of(twice_centre, axis) <= best.bin;
+    };
+    while (true) {
+      for (; left < right && goes_left(boxes_[left]); ++left) left_centres.extend_by(boxes_[left].centre());
+      for (; left < right && !goes_left(boxes_[right - 1]); --right)
+        right_centres.extend_by(boxes_[right - 1].centre());
+      if (left >= right) break;
+      --right;
+      std::swap(boxes_[left], boxes_[right]);
+      std::swap(ids_[left], ids_[right]);
+      left_centres.extend_by(boxes_[left].centre());
+      right_centres.extend_by(boxes_[right].centre());
+      ++left;
+    }
+    children[0] = {0, range.begin, left, bounds[0], left_centres};
+    children[1] = {0, left, range.end, bounds[1], right_centres};
+    return left;
+  }
+
+  /// Surface area heuristic over the bins of all three axes, filled in one pass.
+  Split best_split(const Range& range) {
+    for (int axis = axes_.first; axis < axes_.last; ++axis) {
+      std::fill_n(bins_[axis], bins_used_, Box());
+      std::fill_n(counts_[axis], bins_used_, 0u);
+    }
+    for (std::uint32_t i = range.begin; i < range.end; ++i) {
+      const Box box = boxes_[i];
+      const Vector centre = box.centre();
+      for (int axis = axes_.first; axis < axes_.last; ++axis) {
+        const int b = bin_of(centre.v[axis], axis);
+        bins_[axis][b].extend(box);
+        ++counts_[axis][b];
+      }
+    }
+    Split best;
+    for (int axis = axes_.first; axis < axes_.last; ++axis)
+      if (per_unit_.v[axis] > 0.0f) sweep(axis, best);
     return best;
   }
 
-  /// Surface area heuristic over the filled bins: cost of splitting after each bin.
-  void sweep(int axis, Split& best) {
-    const auto last = static_cast<std::size_t>(config_.bins) - 1;
-    std::array<float, 64> right_cost{};
-    Bin right;
-    for (std::size_t b = last; b > 0; --b) {
-      right.box.extend(bins_[b].box);
-      right.count += bins_[b].count;
-      right_cost[b] = right.count == 0 ? -1.0f : right.box.half_area() * static_cast<float>(right.count);
+  /// Cost of splitting after each bin.
+  void sweep(int axis, Split& best) const {
+    const Box* bins = bins_[axis];
+    const std::uint32_t* counts = counts_[axis];
+    float right_cost[most_bins];
+    Box right;
+    std::uint32_t count = 0;
+    for (int b = bins_used_ - 1; b > 0; --b) {
+      right.extend(bins[b]);
+      count += counts[b];
+      right_cost[b] = count == 0 ? -1.0f : right.half_area() * static_cast<float>(count);
     }
-    Bin left;
-    for (std::size_t b = 0; b < last; ++b) {
-      left.box.extend(bins_[b].box);
-      left.count += bins_[b].count;
-      if (left.count == 0 || right_cost[b + 1] < 0.0f) continue;
-      const float cost = left.box.half_area() * static_cast<float>(left.count) + right_cost[b + 1];
-      if (best.axis < 0 || cost < best.cost) best = {axis, static_cast<int>(b), cost};
+    Box left;
+    count = 0;
+    for (int b = 0; b < bins_used_ - 1; ++b) {
+      if (counts[b] == 0) continue;
+      left.extend(bins[b]);
+      count += counts[b];
+      if (right_cost[b + 1] < 0.0f) break;
+      const float cost = left.half_area() * static_cast<float>(count) + right_cost[b + 1];
+      if (best.axis < 0 || cost < best.cost) best = {axis, b, cost};
     }
   }
 
   BvhConfig config_;
-  std::vector<Entry> entries_;
-  std::array<Bin, 64> bins_;
+  std::vector<Box> boxes_;
+  std::vector<std::uint32_t> ids_;
+  int bins_used_ = 0;
+  struct {
+    int first, last;
+  } axes_{0, 3};
+  Vector from_ = all(0.0f), per_unit_ = all(0.0f);
+  Box bins_[3][most_bins];
+  std::uint32_t counts_[3][most_bins];
   Bvh bvh_;
 };
 
@@ -142,8 +235,23 @@ ItemRange items_below(const Bvh& bvh, std::uint32_t node) {
 }
 
 Bvh build_bvh(std::span<const Aabb> boxes, const BvhConfig& config) {
-  assert(config.max_leaf_size >= 1 && config.bins >= 2 && config.bins <= 64);
+  assert(config.max_leaf_size >= 1 && config.bins >= 2 && config.bins <= most_bins);
   return Builder(boxes, config).build();
+}
+
+void refit(Bvh& bvh, std::span<const Aabb> boxes) {
+  assert(boxes.size() == bvh.items.size());
+  for (std::size_t i = bvh.nodes.size(); i-- > 0;) {  // children stand behind their parents
+    BvhNode& node = bvh.nodes[i];
+    node.bounds = {};
+    if (node.leaf()) {
+      for (std::uint32_t k = node.first; k < node.first + node.count; ++k)
+        if (!boxes[bvh.items[k]].empty()) node.bounds.extend(boxes[bvh.items[k]]);
+    } else {
+      node.bounds.extend(bvh.nodes[node.first].bounds);
+      node.bounds.extend(bvh.nodes[node.first + 1].bounds);
+    }
+  }
 }
 
 }  // namespace sightline

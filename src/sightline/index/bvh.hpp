@@ -33,11 +33,15 @@ ItemRange items_below(const Bvh& bvh, std::uint32_t node);
 
 struct BvhConfig {
   int max_leaf_size = 4;  // boxes, 1 to 255
-  int bins = 16;          // bins per axis of the surface area heuristic, 2 to 64
+  int bins = 16;          // most bins per axis of the surface area heuristic, 2 to 64; small nodes use fewer
 };
 
 /// Top-down, binned surface area heuristic (Wald 2007); falls back to the median where all centroids coincide. Empty
 /// boxes are allowed and never widen a node. The result does not depend on the number of threads.
 Bvh build_bvh(std::span<const Aabb> boxes, const BvhConfig& config = {});
+
+/// Recomputes the bounds of all nodes after boxes moved, grew, or became empty; the tree keeps its shape, so it stays
+/// right and only gets slower to walk the farther things move. `boxes`: as many as it was built over. O(n).
+void refit(Bvh& bvh, std::span<const Aabb> boxes);
 
 }  // namespace sightline

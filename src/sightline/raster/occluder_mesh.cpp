@@ -71,10 +71,18 @@ OccluderMesh make_occluder(std::span<const glm::vec3> positions, std::span<const
   OccluderMesh mesh;
   mesh.closed = is_closed(topology);
 
-  std::vector<std::int32_t> renamed(positions.size(), -1);
+  std::uint32_t count = 0;
+  const std::vector<std::uint32_t> component = components(topology, count);
+  const std::vector<std::uint32_t> triangle_order = order_by(component, count, mesh.triangle_begin);
+  std::vector<std::uint32_t> edge_component;
+  edge_component.reserve(topology.edges.size());
+  for (const MeshEdge& edge : topology.edges) edge_component.push_back(component[edge.triangles[0]]);
+  const std::vector<std::uint32_t> edge_order = order_by(edge_component, count, mesh.edge_begin);
+
+  std::vector<std::int32_t> renamed(positions.size(), -1);  // of the current component if not below its first vertex
   const auto vertex = [&](std::uint32_t original) {
     const std::uint32_t v = topology.welded[original];
-    if (renamed[v] < 0) {
+    if (renamed[v] < static_cast<std::int32_t>(mesh.vertex_begin.back())) {
       renamed[v] = static_cast<std::int32_t>(mesh.x.size());
       mesh.x.push_back(positions[v].x);
       mesh.y.push_back(positions[v].y);
@@ -83,26 +91,27 @@ OccluderMesh make_occluder(std::span<const glm::vec3> positions, std::span<const
     }
     return renamed[v];
   };
-  std::uint32_t count = 0;
-  const std::vector<std::uint32_t> component = components(topology, count);
+  const auto nothing = static_cast<std::int32_t>(triangle_order.size());
   std::vector<std::int32_t> kept(triangles.size(), -1);
-  for (const std::uint32_t t : order_by(component, count, mesh.triangle_begin)) {
-    kept[t] = static_cast<std::int32_t>(mesh.corner0.size());
-    mesh.corner0.push_back(vertex(triangles[t].x));
-    mesh.corner1.push_back(vertex(triangles[t].y));
-    mesh.corner2.push_back(vertex(triangles[t].z));
+  for (std::uint32_t c = 0; c < count; ++c) {
+    mesh.vertex_begin.push_back(static_cast<std::uint32_t>(mesh.x.size()));
+    for (std::uint32_t i = mesh.triangle_begin[c]; i < mesh.triangle_begin[c + 1]; ++i) {
+      const glm::uvec3& t = triangles[triangle_order[i]];
+      kept[triangle_order[i]] = static_cast<std::int32_t>(i);
+      mesh.corner0.push_back(vertex(t.x));
+      mesh.corner1.push_back(vertex(t.y));
+      mesh.corner2.push_back(vertex(t.z));
+    }
+    for (std::uint32_t i = mesh.edge_begin[c]; i < mesh.edge_begin[c + 1]; ++i) {
+      const MeshEdge& edge = topology.edges[edge_order[i]];
+      mesh.edge_from.push_back(vertex(edge.from));
+      mesh.edge_to.push_back(vertex(edge.to));
+      mesh.edge_first.push_back(edge.count <= 2 ? kept[edge.triangles[0]] : nothing + 1);
+      mesh.edge_second.push_back(edge.count == 2 ? kept[edge.triangles[1]] : nothing);
+      mesh.edge_winding.push_back(edge.forward == 1 ? 1.0f : -1.0f);
+    }
   }
-  const auto nothing = static_cast<std::int32_t>(mesh.corner0.size());
-  std::vector<std::uint32_t> edge_component;
-  for (const MeshEdge& edge : topology.edges) edge_component.push_back(component[edge.triangles[0]]);
-  for (const std::uint32_t e : order_by(edge_component, count, mesh.edge_begin)) {
-    const MeshEdge& edge = topology.edges[e];
-    mesh.edge_from.push_back(vertex(edge.from));
-    mesh.edge_to.push_back(vertex(edge.to));
-    mesh.edge_first.push_back(edge.count <= 2 ? kept[edge.triangles[0]] : nothing + 1);
-    mesh.edge_second.push_back(edge.count == 2 ? kept[edge.triangles[1]] : nothing);
-    mesh.edge_winding.push_back(edge.forward == 1 ? 1.0f : -1.0f);
-  }
+  mesh.vertex_begin.push_back(static_cast<std::uint32_t>(mesh.x.size()));
   mesh.vertex_count = static_cast<std::uint32_t>(mesh.x.size());
   mesh.triangle_count = static_cast<std::uint32_t>(mesh.corner0.size());
   mesh.edge_count = static_cast<std::uint32_t>(mesh.edge_from.size());

@@ -22,10 +22,10 @@ struct OccluderMesh {
   std::vector<std::int32_t> edge_from, edge_to, edge_first, edge_second;
   /// +1 if the two triangles run the edge in opposite directions (consistent winding), -1 if in the same direction.
   std::vector<float> edge_winding;
-  /// Triangles and edges are ordered by connected component: component c has the triangles from triangle_begin[c] and
-  /// the edges from edge_begin[c] on; both arrays end with the totals. What does not hang together is drawn one after
-  /// the other, so that the contour of one part takes nothing back from another.
-  std::vector<std::uint32_t> triangle_begin, edge_begin;
+  /// Vertices, triangles and edges are ordered by connected component: component c has the triangles from
+  /// triangle_begin[c] on and so forth; the arrays end with the totals. Components share no vertices. What does not
+  /// hang together is drawn one after the other, so that the contour of one part takes nothing back from another.
+  std::vector<std::uint32_t> vertex_begin, triangle_begin, edge_begin;
   /// Every edge joins two triangles of opposite direction: back faces are never seen and need not be drawn.
   bool closed = false;
   Aabb bounds;

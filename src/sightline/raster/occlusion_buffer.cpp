@@ -4,107 +4,217 @@
 #include <array>
 #include <cassert>
 #include <cmath>
+#include <functional>
 
-#include "sightline/raster/occlusion_clip.hpp"
+#include "sightline/parallel/parallel.hpp"
+#include "sightline/raster/occlusion_hull.hpp"
 #include "sightline/raster/occlusion_kernels.hpp"
+#include "sightline/raster/occlusion_projection.hpp"
+#include "sightline/raster/raw_occluder.hpp"
 
 namespace sightline {
+
+using raster::DrawList;
+using raster::Kernels;
+using raster::MeshView;
+using raster::Rectangles;
+using raster::ViewTransform;
+
 namespace {
 
-using raster::Kernels;
-using raster::Margins;
-using raster::ScreenTransform;
+static_assert(sizeof(Aabb) == 6 * sizeof(float), "boxes are read as six floats");
 
-constexpr double base_margin = 1.0 / 64;  // pixels: rounding of projected corners and edge functions
-constexpr double base_share = 0x1p-16;    // relative: rounding of nearness in perspective
-constexpr double base_spread = 0x1p-20;   // of the distance from the eye: rounding of nearness in orthographic views
-constexpr double float_guard = 8192;      // pixels from the image's centre within which floats keep base_margin
+const float* floats(const Aabb* boxes) { return &boxes->lo.x; }
 
-/// Where a box lies: distances along the view direction, and its projection in pixels if all of it lies before the eye.
-struct Footprint {
-  double nearest, farthest;
-  double x0, y0, x1, y1;
-  double spread;  // of its corners from the eye
+/// An occluder of a round of add_occluders, with room that is kept.
+struct Slot {
+  DrawList list;
+  raster::Scratch scratch;
 };
 
-}  // namespace
+struct Waiting {
+  double distance;
+  std::uint32_t index;
+};
 
-namespace {
-
-glm::dvec3 to_row(const glm::dmat3& m, int row) { return {m[0][row], m[1][row], m[2][row]}; }
+/// A surface of a round: runs [first, last) of a slot's list.
+struct Surface {
+  float nearest;
+  std::uint32_t slot, first, last;
+};
 
 }  // namespace
 
 struct OcclusionBuffer::State {
   const Kernels* kernels;
   raster::Tiles tiles;
-  raster::Scratch scratch;
+  ViewTransform view;
+  raster::QueryView query{};
   OcclusionCounts counts;
-  // The view: rows turn world - eye into pixels from the centre (times distance, for perspective) and into distance.
-  glm::dvec3 eye{0.0}, to_x{0.0}, to_y{0.0}, to_w{0.0};
-  double centre_x = 0, centre_y = 0, near = 0, pixels_per_unit = 1;
-  bool perspective = true;
+  std::vector<Slot> slots{1};
+  std::vector<raster::Band> bands{1};
+  std::vector<Waiting> waiting;
+  std::vector<MeshView> views;
+  std::vector<const OccluderMesh*> meshes;
+  std::vector<Surface> surfaces;
+  RawOccluder raw;
 
-  [[nodiscard]] Footprint footprint(const Aabb& box) const {
-    Footprint f{1e300, -1e300, 1e300, 1e300, -1e300, -1e300, 0};
-    for (int i = 0; i < 8; ++i) {
-      const glm::dvec3 d = glm::dvec3(box.corner(i)) - eye;
-      const double w = glm::dot(to_w, d);
-      f.nearest = std::min(f.nearest, w);
-      f.farthest = std::max(f.farthest, w);
-      const double scale = perspective ? 1.0 / w : 1.0;  // meaningless unless nearest > 0; the caller checks
-      const double x = centre_x + glm::dot(to_x, d) * scale, y = centre_y + glm::dot(to_y, d) * scale;
-      f.x0 = std::min(f.x0, x);
-      f.x1 = std::max(f.x1, x);
-      f.y0 = std::min(f.y0, y);
-      f.y1 = std::max(f.y1, y);
-      f.spread = std::max(f.spread, glm::dot(d, d));
-    }
-    f.spread = std::sqrt(f.spread);
-    return f;
+  [[nodiscard]] bool hidden_rectangle(const Rectangles& r, std::size_t i) const {
+    return kernels->hides(tiles, r.x0[i], r.y0[i], r.x1[i], r.y1[i], r.near[i]);
   }
 
-  /// True if the float loops keep base_margin and base_share (or base_spread) for all of a mesh: it lies before the
-  /// eye, not too far aside, and the products that make up a corner are not much larger than the corner (a squashed
-  /// mesh).
-  [[nodiscard]] bool within_guard(const Footprint& f, const OccluderMesh& mesh, const glm::dmat3& rows,
-                                  const glm::dvec3& mesh_eye) const {
-    const double aside = std::max({centre_x - f.x0, f.x1 - centre_x, centre_y - f.y0, f.y1 - centre_y});
-    if (!(f.nearest > near && aside < float_guard)) return false;
-    glm::dvec3 largest(0.0);  // of the sums of the products' sizes for x, y and distance, per unit of distance
-    for (int i = 0; i < 8; ++i) {
-      const glm::dvec3 d = glm::dvec3(mesh.bounds.corner(i)) - mesh_eye;
-      const double w = perspective ? glm::dot(to_row(rows, 2), d) : 1.0;
-      for (int row = 0; row < 3; ++row)
-        largest[row] = std::max(largest[row], glm::dot(glm::abs(to_row(rows, row)), glm::abs(d)) / w);
-    }
-    // Four roundings of each product and sum.
-    const double pixels = 0x1p-22 * (std::max(largest.x, largest.y) + (perspective ? aside * largest.z : 0.0));
-    const double nearness = 0x1p-22 * largest.z;
-    return pixels < 0.5 * base_margin && nearness < (perspective ? 0.5 * base_share : 0.5 * base_spread * f.spread);
+  [[nodiscard]] bool hidden_outline(const Rectangles& r, std::size_t i, const Aabb& box,
+                                    const raster::LocalView& local) const {
+    raster::Hull hull;
+    hull.x0 = r.x0[i];
+    hull.y0 = r.y0[i];
+    hull.x1 = r.x1[i];
+    hull.y1 = r.y1[i];
+    hull.near = r.near[i];
+    raster::outline(local, box, hull);
+    return kernels->hides_hull(tiles, hull);
   }
 
-  [[nodiscard]] Margins margins(const Footprint& f, const OccluderMesh& mesh, const Affine& transform) const {
-    // The truth has its vertices rounded to float in world space; an identity transform rounds nothing.
-    double rounding = 0.0;
-    if (transform != identity_affine()) {
-      const glm::vec3 size = glm::max(glm::abs(mesh.bounds.lo), glm::abs(mesh.bounds.hi));
-      const glm::vec3 terms = glm::abs(transform[0]) * size.x + glm::abs(transform[1]) * size.y +
-                              glm::abs(transform[2]) * size.z + glm::abs(transform[3]);
-      rounding = 0x1p-21 * static_cast<double>(std::max({terms.x, terms.y, terms.z}));
-    }
-    if (!perspective)
-      return {static_cast<float>(base_margin + rounding * pixels_per_unit), 0.0f,
-              static_cast<float>(base_spread * f.spread + rounding)};
-    const double nearest = std::max(f.nearest, near);
-    return {static_cast<float>(base_margin + rounding * pixels_per_unit / nearest),
-            static_cast<float>(base_share + rounding / nearest), 0.0f};
+  [[nodiscard]] bool seen(const Rectangles& r, std::size_t i, const Aabb& box, bool outlines) const {
+    if (r.verdict[i] != raster::Verdict::ask) return r.verdict[i] == raster::Verdict::seen;
+    if (r.centre_x[i] >= 0 && r.centre_y[i] >= 0 && tiles.at(r.centre_x[i], r.centre_y[i]) < r.far[i]) return true;
+    if (hidden_rectangle(r, i)) return false;
+    return !outlines || !hidden_outline(r, i, box, view.local);
   }
 
-  [[nodiscard]] bool outside_image(const Footprint& f) const {
-    if (f.farthest < near) return true;
-    if (f.nearest <= near) return false;
-    return f.x1 < -1 || f.y1 < -1 || f.x0 > tiles.width + 1 || f.y0 > tiles.height + 1;
+  [[nodiscard]] bool seen(const Aabb& box, bool outlines) const {
+    Rectangles r;
+    kernels->project_boxes(query, floats(&box), 1, r);
+    return seen(r, 0, box, outlines);
+  }
+
+  /// What a rectangle in real coordinates and a nearness, both not rounded yet, say.
+  [[nodiscard]] Rectangles rectangle(const raster::Footprint& f) const {
+    Rectangles r;
+    r.verdict[0] = raster::Verdict::ask;
+    if (f.farthest < view.near * (1.0 - 1e-6) && view.perspective) r.verdict[0] = raster::Verdict::hidden;
+    if (view.perspective && !(f.nearest > view.near) && r.verdict[0] == raster::Verdict::ask)
+      r.verdict[0] = raster::Verdict::seen;
+    if (r.verdict[0] != raster::Verdict::ask) return r;
+    const double margin = view.square - 0.5 + raster::base_margin;
+    const auto pixel = [](double v, int pixels) {
+      return static_cast<std::int32_t>(std::clamp(std::floor(v), 0.0, static_cast<double>(pixels)));
+    };
+    r.x0[0] = pixel(f.x0 - margin, tiles.width);
+    r.y0[0] = pixel(f.y0 - margin, tiles.height);
+    r.x1[0] = pixel(f.x1 + margin + 1, tiles.width);
+    r.y1[0] = pixel(f.y1 + margin + 1, tiles.height);
+    if (r.x0[0] >= r.x1[0] || r.y0[0] >= r.y1[0]) r.verdict[0] = raster::Verdict::hidden;
+    const double near = view.perspective ? 1.0 / f.nearest : -f.nearest;
+    r.near[0] = static_cast<float>(near + std::abs(near) * 0x1p-20);
+    return r;
+  }
+
+  [[nodiscard]] bool seen(const raster::Footprint& f) const {
+    const Rectangles r = rectangle(f);
+    if (r.verdict[0] != raster::Verdict::ask) return r.verdict[0] == raster::Verdict::seen;
+    return !hidden_rectangle(r, 0);
+  }
+
+  void draw(const OccluderMesh& mesh, const MeshView& mesh_view) {
+    Slot& slot = slots[0];
+    slot.list.clear();
+    kernels->prepare(mesh, mesh_view, tiles, slot.scratch, slot.list);
+    count(mesh, slot.list);
+    bands[0].first_row = 0;
+    bands[0].last_row = tiles.down - 1;
+    kernels->draw(slot.list, 0, slot.list.runs.size(), tiles, bands[0]);
+    collect(bands[0]);
+  }
+
+  /// Orders the surfaces of the round's occluders, the near ones first: they spare the work for the others.
+  void order_surfaces() {
+    surfaces.clear();
+    for (std::uint32_t s = 0; s < views.size(); ++s) {
+      const auto& runs = slots[s].list.runs;
+      std::uint32_t first = 0;
+      for (std::uint32_t r = 0; r < runs.size(); ++r) {
+        if (!runs[r].last) continue;
+        surfaces.push_back({runs[r].nearest, s, first, r + 1});
+        first = r + 1;
+      }
+    }
+    std::sort(surfaces.begin(), surfaces.end(), [](const Surface& a, const Surface& b) {
+      if (a.nearest != b.nearest) return a.nearest > b.nearest;
+      return a.slot != b.slot ? a.slot < b.slot : a.first < b.first;
+    });
+  }
+
+  void count(const OccluderMesh& mesh, const DrawList& list) {
+    ++counts.occluders;
+    counts.occluder_triangles += mesh.triangle_count;
+    counts.triangles_filled += list.triangles;
+    counts.contour_edges += list.edges;
+  }
+  void collect(raster::Band& band) {
+    counts.tiles_filled += band.counts.tiles;
+    band.counts = {};
+  }
+
+  /// Orders `waiting` and leaves out what lies outside of the image.
+  void order(std::span<const OccluderInstance> occluders) {
+    waiting.clear();
+    for (std::uint32_t i = 0; i < occluders.size(); ++i) {
+      const OccluderMesh& mesh = *occluders[i].mesh;
+      if (mesh.triangle_count == 0) continue;
+      const raster::Footprint f = view.footprint(world_bounds(mesh, occluders[i].transform));
+      if (!view.outside_image(f)) waiting.push_back({f.nearest, i});
+    }
+    std::sort(waiting.begin(), waiting.end(), [](const Waiting& a, const Waiting& b) {
+      return a.distance != b.distance ? a.distance < b.distance : a.index < b.index;
+    });
+  }
+
+  static Aabb world_bounds(const OccluderMesh& mesh, const Affine& transform) {
+    Aabb bounds;
+    for (int i = 0; i < 8; ++i) bounds.extend(transform_point(transform, mesh.bounds.corner(i)));
+    return bounds;
+  }
+
+  /// Draws the waiting ones from `at` on until a round is full: prepared side by side, drawn by bands of rows.
+  std::size_t draw_round(std::span<const OccluderInstance> occluders, std::size_t at, std::uint32_t most_triangles) {
+    std::uint32_t triangles = 0;
+    views.clear();
+    meshes.clear();
+    for (; at < waiting.size() && triangles < most_triangles; ++at) {
+      const OccluderInstance& occluder = occluders[waiting[at].index];
+      if (!seen(world_bounds(*occluder.mesh, occluder.transform), false)) continue;
+      const auto mesh_view = view.mesh_view(*occluder.mesh, occluder.transform);
+      if (!mesh_view) continue;
+      views.push_back(*mesh_view);
+      meshes.push_back(occluder.mesh);
+      triangles += occluder.mesh->triangle_count;
+    }
+    if (slots.size() < views.size()) slots.resize(views.size());
+    // By reference, so that the std::function allocates nothing.
+    const auto prepare = [&](std::size_t begin, std::size_t end) {
+      for (std::size_t i = begin; i < end; ++i) {
+        slots[i].list.clear();
+        kernels->prepare(*meshes[i], views[i], tiles, slots[i].scratch, slots[i].list);
+      }
+    };
+    parallel_blocks(views.size(), 1, std::ref(prepare));
+    for (std::size_t i = 0; i < views.size(); ++i) count(*meshes[i], slots[i].list);
+    order_surfaces();
+    const auto rows = static_cast<std::size_t>(tiles.down), threads = static_cast<std::size_t>(thread_count());
+    const std::size_t band_rows = threads > 1 ? std::max<std::size_t>(4, rows / (2 * threads)) : rows;
+    const std::size_t band_count = (rows + band_rows - 1) / band_rows;
+    if (bands.size() < band_count) bands.resize(band_count);
+    const auto draw_band = [&](std::size_t begin, std::size_t end) {
+      raster::Band& band = bands[begin / band_rows];
+      band.first_row = static_cast<int>(begin);
+      band.last_row = static_cast<int>(end) - 1;
+      for (const Surface& surface : surfaces)
+        kernels->draw(slots[surface.slot].list, surface.first, surface.last, tiles, band);
+    };
+    parallel_blocks(rows, band_rows, std::ref(draw_band));
+    for (std::size_t i = 0; i < band_count; ++i) collect(bands[i]);
+    return at;
   }
 };
 
@@ -115,100 +225,85 @@ OcclusionBuffer::~OcclusionBuffer() = default;
 OcclusionBuffer::OcclusionBuffer(OcclusionBuffer&&) noexcept = default;
 OcclusionBuffer& OcclusionBuffer::operator=(OcclusionBuffer&&) noexcept = default;
 
-void OcclusionBuffer::begin(const View& view, int width, int height) {
+void OcclusionBuffer::begin(const View& view, int width, int height, Coverage coverage) {
   assert(width >= 1 && height >= 1);
+  assert(coverage == Coverage::squares || (width == view.width && height == view.height));
   State& s = *state_;
   s.tiles.resize(width, height);
   s.counts = {};
-  s.perspective = view.projection == Projection::perspective;
-  s.eye = view.eye;
-  s.near = view.near;
-  s.centre_x = 0.5 * width;
-  s.centre_y = 0.5 * height;
-  const double half_height = s.perspective ? std::tan(0.5 * view.fov_y) : 0.5 * view.span_y;
-  const double half_width = half_height * view.width / view.height;
-  const glm::dmat3 axes = glm::mat3_cast(view.orientation);
-  s.to_x = axes[0] * (0.5 * width / half_width);
-  s.to_y = axes[1] * (-0.5 * height / half_height);
-  s.to_w = -axes[2];
-  s.pixels_per_unit = std::max(glm::length(s.to_x), glm::length(s.to_y));
+  s.view = ViewTransform(view, width, height, coverage == Coverage::centres ? 0.0 : 0.5);
+  s.query = s.view.query();
 }
 
 void OcclusionBuffer::add_occluder(const OccluderMesh& mesh, const Affine& transform) {
   State& s = *state_;
   if (mesh.triangle_count == 0) return;
-  const glm::dmat4 to_world = to_matrix(transform);
-  const glm::dmat3 linear(to_world);
-  const double volume = glm::determinant(linear);
-  if (!(std::abs(volume) > 1e-30)) return;
-  Aabb bounds;
-  for (int i = 0; i < 8; ++i) bounds.extend(transform_point(transform, mesh.bounds.corner(i)));
-  const Footprint f = s.footprint(bounds);
-  if (s.outside_image(f)) return;
-  ++s.counts.occluders;
-  s.counts.occluder_triangles += mesh.triangle_count;
-
-  const Margins margins = s.margins(f, mesh, transform);
-  const glm::dmat3 view_rows = glm::transpose(glm::dmat3(s.to_x, s.to_y, s.to_w));
-  const glm::dmat3 rows = view_rows * linear;
-  const glm::dvec3 from_eye = glm::dvec3(to_world[3]) - s.eye;
-  const glm::dvec3 eye = -(glm::inverse(linear) * from_eye);
-  const bool mirrored = volume < 0;
-  raster::FillCounts filled;
-  if (s.within_guard(f, mesh, rows, eye)) {
-    ScreenTransform t{};
-    for (int axis = 0; axis < 3; ++axis) {
-      t.eye_high[axis] = static_cast<float>(eye[axis]);
-      t.eye_low[axis] = static_cast<float>(eye[axis] - t.eye_high[axis]);
-      t.to_x[axis] = static_cast<float>(rows[axis][0]);
-      t.to_y[axis] = static_cast<float>(rows[axis][1]);
-      t.to_w[axis] = static_cast<float>(rows[axis][2]);
-    }
-    t.centre_x = static_cast<float>(s.centre_x);
-    t.centre_y = static_cast<float>(s.centre_y);
-    t.perspective = s.perspective;
-    s.kernels->draw_mesh(mesh, t, mirrored, margins, s.tiles, s.scratch, filled);
-  } else {
-    const double guard = std::max<double>(float_guard, std::max(s.tiles.width, s.tiles.height));
-    const raster::ClipTransform t{rows, view_rows * from_eye, {s.centre_x, s.centre_y}, s.near, guard, s.perspective};
-    raster::draw_clipped(mesh, t, mirrored, margins, *s.kernels, s.tiles, filled);
-  }
-  s.counts.triangles_filled += filled.triangles;
-  s.counts.tiles_filled += filled.tiles;
-  s.counts.contour_edges += filled.contour_edges;
+  // A rectangle that is hidden, or outside of the image, ends it here.
+  if (!s.seen(State::world_bounds(mesh, transform), false)) return;
+  if (const auto mesh_view = s.view.mesh_view(mesh, transform)) s.draw(mesh, *mesh_view);
 }
 
-void OcclusionBuffer::finish() { state_->kernels->reduce(state_->tiles); }
+void OcclusionBuffer::add_occluders(std::span<const OccluderInstance> occluders) {
+  State& s = *state_;
+  s.order(occluders);
+  std::uint32_t most_triangles = 4096;  // few at first: they hide the others
+  for (std::size_t at = 0; at < s.waiting.size(); most_triangles = std::min(2 * most_triangles, 65536u))
+    at = s.draw_round(occluders, at, most_triangles);
+}
 
-bool OcclusionBuffer::may_be_seen(const Aabb& box) const {
+void OcclusionBuffer::add_occluder(std::span<const glm::vec3> positions, std::span<const glm::uvec3> triangles,
+                                   const Affine& transform) {
+  add_occluder(state_->raw.make(positions, triangles), transform);
+}
+
+bool OcclusionBuffer::may_be_seen(const Aabb& box) const { return state_->seen(box, true); }
+
+bool OcclusionBuffer::may_be_seen_by_rectangle(const Aabb& box) const { return state_->seen(box, false); }
+
+bool OcclusionBuffer::may_be_seen(const OrientedBox& box) const {
   const State& s = *state_;
-  if (box.empty()) return false;
-  const Footprint f = s.footprint(box);
-  if (f.farthest < s.near * (1.0 - 1e-6) && s.perspective) return false;
-  if (s.perspective && !(f.nearest > s.near)) return true;
-  const double margin = base_margin;
-  const double x0 = std::floor(f.x0 - margin), y0 = std::floor(f.y0 - margin);
-  const double x1 = std::floor(f.x1 + margin) + 1, y1 = std::floor(f.y1 + margin) + 1;
-  const int left = static_cast<int>(std::clamp(x0, 0.0, static_cast<double>(s.tiles.width)));
-  const int right = static_cast<int>(std::clamp(x1, 0.0, static_cast<double>(s.tiles.width)));
-  const int top = static_cast<int>(std::clamp(y0, 0.0, static_cast<double>(s.tiles.height)));
-  const int bottom = static_cast<int>(std::clamp(y1, 0.0, static_cast<double>(s.tiles.height)));
-  if (left >= right || top >= bottom) return false;
-  const double near = s.perspective ? 1.0 / f.nearest : -f.nearest;
-  const auto raised = static_cast<float>(near + std::abs(near) * 0x1p-20);
-  return !s.kernels->hides(s.tiles, left, top, right, bottom, raised);
+  if (box.bounds.empty()) return false;
+  std::array<glm::dvec3, 8> corners;
+  for (int i = 0; i < 8; ++i)
+    corners[static_cast<std::size_t>(i)] =
+        glm::dvec3(to_matrix(box.transform) * glm::dvec4(glm::dvec3(box.bounds.corner(i)), 1.0));
+  const Rectangles r = s.rectangle(s.view.footprint(corners));
+  if (r.verdict[0] != raster::Verdict::ask) return r.verdict[0] == raster::Verdict::seen;
+  if (s.hidden_rectangle(r, 0)) return false;
+  const auto local = s.view.local_view(box.transform);
+  return !local || !s.hidden_outline(r, 0, box.bounds, *local);
+}
+
+bool OcclusionBuffer::may_be_seen(const Sphere& sphere) const {
+  return sphere.radius >= 0.0f && state_->seen(state_->view.footprint(sphere.centre, sphere.radius));
+}
+
+bool OcclusionBuffer::may_be_seen(const glm::vec3& a, const glm::vec3& b, const glm::vec3& c) const {
+  const std::array<glm::dvec3, 3> corners{glm::dvec3(a), glm::dvec3(b), glm::dvec3(c)};
+  return state_->seen(state_->view.footprint(corners));
+}
+
+void OcclusionBuffer::test(std::span<const Aabb> boxes, std::span<std::uint8_t> seen, bool outlines) const {
+  assert(boxes.size() == seen.size());
+  const State& s = *state_;
+  const auto test_block = [&](std::size_t begin, std::size_t end) {
+    Rectangles r;
+    for (std::size_t i = begin; i < end; i += Rectangles::capacity) {
+      const std::size_t count = std::min(Rectangles::capacity, end - i);
+      s.kernels->project_boxes(s.query, floats(&boxes[i]), count, r);
+      for (std::size_t k = 0; k < count; ++k) seen[i + k] = s.seen(r, k, boxes[i + k], outlines) ? 1 : 0;
+    }
+  };
+  parallel_blocks(boxes.size(), 1024, std::ref(test_block));
 }
 
 int OcclusionBuffer::width() const { return state_->tiles.width; }
 int OcclusionBuffer::height() const { return state_->tiles.height; }
 
 float OcclusionBuffer::hidden_beyond(int x, int y) const {
-  const raster::Tiles& t = state_->tiles;
-  const int tile = y / raster::tile_size * t.across + x / raster::tile_size;
-  const int lane = y % raster::tile_size * raster::tile_size + x % raster::tile_size;
-  const float near = t.hidden[static_cast<std::size_t>(tile) * raster::tile_pixels + static_cast<std::size_t>(lane)];
+  const float near = state_->tiles.at(x, y);
   if (near == raster::nothing_near) return std::numeric_limits<float>::infinity();
-  return state_->perspective ? 1.0f / near : -near;
+  return state_->view.perspective ? 1.0f / near : -near;
 }
 
 const OcclusionCounts& OcclusionBuffer::counts() const { return state_->counts; }

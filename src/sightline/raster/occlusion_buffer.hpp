@@ -1,10 +1,12 @@
 // A low-resolution image of what is hidden, conservative by construction at any resolution and between samples:
 // occluder coverage is rounded inwards and depth away from the eye, occludees outwards and towards the eye. Descends
 // from masked software occlusion culling (Hasselgren, Andersson, Akenine-Moller 2016; checklist 5.17, E43), with full
-// depth per pixel. Promise: conservative-continuous.
+// depth per pixel. Promise: conservative-continuous, or conservative if pixel centres alone are to count. A C interface
+// is in occlusion_buffer.h.
 #pragma once
 
 #include <memory>
+#include <span>
 
 #include "sightline/geometry/affine.hpp"
 #include "sightline/raster/occluder_mesh.hpp"
@@ -16,6 +18,31 @@ struct OcclusionCounts {
   std::uint64_t occluders = 0, occluder_triangles = 0, triangles_filled = 0, tiles_filled = 0, contour_edges = 0;
 };
 
+/// What of a pixel must be hidden for it to count: all of its square, or its centre alone (one sample per pixel, and a
+/// buffer with the very pixels of the image that is rendered).
+enum class Coverage { squares, centres };
+
+/// An occluder in the scene; `transform`: mesh space to world space. The mesh must live until it has been added.
+struct OccluderInstance {
+  const OccluderMesh* mesh = nullptr;
+  Affine transform = identity_affine();
+};
+
+/// The box `bounds` under `transform`, which may rotate, scale and shear.
+struct OrientedBox {
+  Affine transform = identity_affine();
+  Aabb bounds;
+};
+
+struct Sphere {
+  glm::vec3 centre{0.0f};
+  float radius = 0.0f;
+};
+
+/// Between begin() and the next begin() occluders are added and questions asked, in any order; what is added later only
+/// hides more. Depth conventions of the renderer (reversed, infinite far plane) do not matter: the buffer takes the
+/// view, not a projection matrix, and ignores its far plane. After the first frames nothing is allocated. The bits are
+/// the same for every SIMD target, number of threads and order of occluders.
 class OcclusionBuffer {
  public:
   /// `scalar`: run the one-lane reference loops instead of the machine's best; the bits are the same.
@@ -24,24 +51,40 @@ class OcclusionBuffer {
   OcclusionBuffer(OcclusionBuffer&&) noexcept;
   OcclusionBuffer& operator=(OcclusionBuffer&&) noexcept;
 
-  /// Starts a view with nothing hidden. width x height: pixels of the buffer, independent of the view's, 1 to 16384.
-  void begin(const View& view, int width, int height);
+  /// Starts a view with nothing hidden. width x height: pixels of the buffer, 1 to 16384, independent of the view's for
+  /// Coverage::squares, equal to them for Coverage::centres. The view must pass check_view.
+  void begin(const View& view, int width, int height, Coverage coverage = Coverage::squares);
 
-  /// Adds an occluder. `transform`: mesh space to world space. Parts before the near plane hide nothing. Order does not
-  /// matter. Nothing happens for a singular transform.
+  /// Adds an occluder, which must be opaque. Parts before the near plane hide nothing. Nothing happens for a singular
+  /// transform. Near ones first is fastest.
   void add_occluder(const OccluderMesh& mesh, const Affine& transform);
 
-  /// Makes tests fast after the last occluder. Tests before it are as right.
-  void finish();
+  /// Adds several, the near ones first, with all threads. Those that lie behind what is hidden already cost little.
+  void add_occluders(std::span<const OccluderInstance> occluders);
 
-  /// False only if no point of the box (world space) can be seen between near plane and occluders; true if it may be.
-  /// May be called from several threads at once.
+  /// Adds triangles as they are, mesh space to world space by `transform`; their edges are matched by vertex index
+  /// every time, so for meshes that stay make an OccluderMesh once. Indices must lie within positions.
+  void add_occluder(std::span<const glm::vec3> positions, std::span<const glm::uvec3> triangles,
+                    const Affine& transform);
+
+  /// False only if no point of the occludee (world space) can be seen between near plane and occluders; true if it may
+  /// be. May be called from several threads at once, not while an occluder is added. Empty boxes are not seen.
   [[nodiscard]] bool may_be_seen(const Aabb& box) const;
+  [[nodiscard]] bool may_be_seen(const OrientedBox& box) const;
+  [[nodiscard]] bool may_be_seen(const Sphere& sphere) const;
+  [[nodiscard]] bool may_be_seen(const glm::vec3& a, const glm::vec3& b, const glm::vec3& c) const;
+
+  /// The same by the rectangle around the box alone: faster, finds less. What it finds hidden is hidden.
+  [[nodiscard]] bool may_be_seen_by_rectangle(const Aabb& box) const;
+
+  /// seen[i] = may_be_seen(boxes[i]) for all, with all threads and several boxes per vector. Sizes must be equal.
+  /// `outlines` false: by rectangles alone.
+  void test(std::span<const Aabb> boxes, std::span<std::uint8_t> seen, bool outlines = true) const;
 
   [[nodiscard]] int width() const;
   [[nodiscard]] int height() const;
-  /// Distance along the view direction beyond which all in the pixel's square is hidden, metres; infinity where nothing
-  /// is.
+  /// Distance along the view direction beyond which all in the pixel's square (or at its centre) is hidden, metres;
+  /// infinity where nothing is.
   [[nodiscard]] float hidden_beyond(int x, int y) const;
   [[nodiscard]] const OcclusionCounts& counts() const;
   /// Name of the SIMD target in use, or "scalar".

@@ -1,12 +1,12 @@
-// Occluders that reach before the near plane or far out of the image: clipped in double precision, then drawn by the
-// same kernels. The cut at the near plane is a contour; cuts outside of the image need none. Internal to raster/.
+// Triangles and contour edges of occluders that reach before the near plane or far out of the image: clipped in double
+// precision. The cut at the near plane is a contour; cuts outside of the image need none. Internal to raster/.
 #pragma once
 
 #include <glm/glm.hpp>
 
-#include "sightline/raster/occlusion_kernels.hpp"
-
 namespace sightline::raster {
+
+struct DrawList;
 
 /// Mesh space to pixels: rows * p + offset is (x, y, distance), x and y from the image's centre, times the distance for
 /// perspective views.
@@ -18,7 +18,12 @@ struct ClipTransform {
   bool perspective;
 };
 
-void draw_clipped(const OccluderMesh& mesh, const ClipTransform& transform, bool mirrored, const Margins& margins,
-                  const Kernels& kernels, Tiles& tiles, FillCounts& counts);
+/// > 0 if the triangle's front faces the eye, < 0 for its back, 0 without area; right even behind the eye (Olano and
+/// Greer 1997).
+double clip_facing(const ClipTransform& t, const glm::vec3& a, const glm::vec3& b, const glm::vec3& c);
+/// Appends what is left of a triangle, and its cut at the near plane as a contour edge.
+void clip_triangle(const ClipTransform& t, const glm::vec3& a, const glm::vec3& b, const glm::vec3& c, DrawList& out);
+/// Appends what is left of a contour edge.
+void clip_edge(const ClipTransform& t, const glm::vec3& a, const glm::vec3& b, DrawList& out);
 
 }  // namespace sightline::raster

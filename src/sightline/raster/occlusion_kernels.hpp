@@ -1,5 +1,6 @@
 // The inner loops of the occlusion buffer, one set for every SIMD target and a scalar one; all give the same bits (no
-// fused multiply-add, no reassociation). Internal to raster/.
+// fused multiply-add, no reassociation). An occluder is first made into a list of what to draw (prepare), then the list
+// is drawn into a band of rows (draw), so that bands can be drawn by several threads. Internal to raster/.
 #pragma once
 
 #include <cstddef>
@@ -8,6 +9,7 @@
 #include <vector>
 
 #include "sightline/raster/occluder_mesh.hpp"
+#include "sightline/raster/occlusion_clip.hpp"
 
 namespace sightline::raster {
 
@@ -18,20 +20,25 @@ inline constexpr int tile_pixels = tile_size * tile_size;  // lane l of a tile i
 /// -distance for orthographic ones (distance along the view direction, metres).
 inline constexpr float nothing_near = -std::numeric_limits<float>::infinity();
 
-/// The buffer: what is hidden so far, and the layer in which the current occluder gathers the pixels that several of
-/// its triangles share.
+/// The buffer: what is hidden so far, and the layer in which the current surface gathers the pixels that several of
+/// its triangles share. Between surfaces the layer, `covered`, `contour` and `listed` are empty.
 struct Tiles {
   int width = 0, height = 0;  // pixels
   int across = 0, down = 0;   // tiles
   std::vector<float> hidden;  // per pixel: everything of lesser nearness is hidden in the whole pixel square
-  std::vector<float> layer;   // per pixel: least nearness of the triangles of this occluder that touch it; else +inf
+  std::vector<float> layer;   // per pixel: least nearness of the triangles of this surface that touch it; else +inf
   std::vector<std::uint16_t> covered;  // per tile, bit per lane: the centre is covered by one of those triangles
-  std::vector<std::uint16_t> contour;  // per tile, bit per lane: a contour edge of this occluder touches the pixel
-  std::vector<std::uint8_t> listed;    // per tile: is in `touched`
-  std::vector<std::uint32_t> touched;  // tiles to commit after this occluder
+  std::vector<std::uint16_t> contour;  // per tile, bit per lane: a contour edge of this surface touches the pixel
+  std::vector<std::uint8_t> listed;    // per tile: is in the band's `touched`
   std::vector<float> farthest;         // per tile: least `hidden` of its pixels within the image
 
+  /// Empties all.
   void resize(int new_width, int new_height);
+  /// `hidden` of a pixel.
+  [[nodiscard]] float at(int x, int y) const {
+    const int tile = y / tile_size * across + x / tile_size, lane = y % tile_size * tile_size + x % tile_size;
+    return hidden[static_cast<std::size_t>(tile) * tile_pixels + static_cast<std::size_t>(lane)];
+  }
 };
 
 /// Mesh space to pixels. A vertex p maps to d = (p - eye_high) - eye_low, exact near the eye; then rows * d.
@@ -42,42 +49,115 @@ struct ScreenTransform {
   bool perspective;
 };
 
-/// A projected corner: pixels, nearness.
-struct ScreenPoint {
-  float x, y, near;
-};
-
 /// How far things are moved to the safe side: pixels for coverage; nearness by a share of itself and by a constant.
 struct Margins {
+  float square;  // half the side of the part of a pixel that counts: 0.5, or 0 if its centre alone does
   float pixels;
   float nearness_share, nearness;
 };
 
+/// An occluder's mesh in a view.
+struct MeshView {
+  ScreenTransform screen;
+  Margins margins;
+  bool mirrored = false;  // the transform turns front faces into back faces
+  /// Some vertices may lie too near or too far aside for floats: each is checked, and triangles with one that does are
+  /// clipped in double precision, with margins of their own.
+  bool partial = false;
+  float nearest = 0;     // distance from which on floats are right
+  float guard = 0;       // pixels from the image's centre
+  float error_w = 0;     // orthographic: largest sum of the products' sizes that still rounds to within the margin
+  float half_width = 0;  // pixels from the image's centre beyond which nothing matters
+  float half_height = 0;
+  ClipTransform clip;
+  Margins clip_margins;
+};
+
+/// One side of one component of an occluder, or the part of it that shares margins. After the last part the surface is
+/// committed.
+struct Run {
+  std::uint32_t first_triangle, last_triangle, first_edge, last_edge;  // [first, last)
+  Margins margins;
+  float nearest;            // nearness that nothing of the surface exceeds
+  int first_row, last_row;  // tiles, inclusive
+  int first_column, last_column;
+  bool last;
+};
+
+/// What to draw: corners of triangles and ends of contour edges in pixels, as arrays that are reused.
+struct DrawList {
+  std::vector<float> x[3], y[3], near[3];
+  std::vector<float> edge_x[2], edge_y[2];
+  std::vector<Run> runs;
+  std::uint32_t triangles = 0, edges = 0;
+
+  void clear();
+  /// Room for so many more.
+  void reserve(std::size_t more_triangles, std::size_t more_edges);
+};
+
 struct FillCounts {
-  std::uint64_t triangles = 0, tiles = 0, contour_edges = 0;
+  std::uint64_t tiles = 0;
+};
+
+/// A range of rows of tiles that one thread draws.
+struct Band {
+  int first_row = 0, last_row = 0;     // inclusive
+  std::vector<std::uint32_t> touched;  // tiles to commit after this surface
+  FillCounts counts;
 };
 
 /// Room for one occluder's projected vertices, facing and lists; grows, is reused.
 struct Scratch {
-  std::vector<float> x, y, near, facing;
-  std::vector<std::int32_t> list, edge_list;
+  std::vector<float> x, y, near, w, valid, facing;
+  std::vector<std::int32_t> front, back, edges, clipped;
+};
+
+/// World space to pixels for queries, with what is needed to bound the error of the floats.
+struct QueryView {
+  ScreenTransform screen;
+  float pixels_per_unit;  // the larger one of x and y
+  float near_plane;
+  float eye_low_sum;
+  float square;  // as in Margins
+  int width, height;
+};
+
+/// What a query is about: pixels [x0, x1) x [y0, y1) and a nearness that nothing of the box exceeds.
+enum class Verdict : std::int32_t { hidden, seen, ask };
+struct Rectangles {
+  static constexpr std::size_t capacity = 64;
+  std::int32_t x0[capacity], y0[capacity], x1[capacity], y1[capacity];
+  float near[capacity];
+  /// A pixel that the box certainly touches (or -1), and a nearness that all of the box exceeds: where the buffer hides
+  /// less, the box is seen for sure.
+  std::int32_t centre_x[capacity], centre_y[capacity];
+  float far[capacity];
+  Verdict verdict[capacity];  // ask: the rectangle decides
+};
+
+/// A convex occludee: pixels inside all edges (e(x, y) = a x + b y + c >= -1 at the centre of every pixel that it
+/// touches), no nearer than any of the planes (nearness at most a x + b y + c anywhere in the pixel at x, y) and
+/// `near`.
+struct Hull {
+  int edges = 0, planes = 0;
+  float edge_a[6], edge_b[6], edge_c[6];
+  float plane_a[3], plane_b[3], plane_c[3];
+  int x0, y0, x1, y1;
+  float near;
 };
 
 struct Kernels {
   const char* target;
-  /// Draws and commits a whole mesh that lies in front of the near plane and within the guard band. `mirrored`: the
-  /// transform turns front faces into back faces.
-  void (*draw_mesh)(const OccluderMesh&, const ScreenTransform&, bool mirrored, const Margins&, Tiles&, Scratch&,
-                    FillCounts&);
-  /// Draws one triangle / marks one contour edge of an occluder that needed clipping. Corners within the guard band.
-  void (*fill_triangle)(const ScreenPoint*, const Margins&, Tiles&, FillCounts&);
-  void (*mark_contour)(const ScreenPoint&, const ScreenPoint&, const Margins&, Tiles&, FillCounts&);
-  /// Ends an occluder: what its layer proves goes into `hidden`.
-  void (*commit)(Tiles&);
-  /// Recomputes `farthest` of all tiles.
-  void (*reduce)(Tiles&);
+  /// Appends what a mesh draws.
+  void (*prepare)(const OccluderMesh&, const MeshView&, const Tiles&, Scratch&, DrawList&);
+  /// Draws runs [first, last), whole surfaces, within the band's rows.
+  void (*draw)(const DrawList&, std::size_t first, std::size_t last, Tiles&, Band&);
   /// True if every pixel of [x0, x1) x [y0, y1) hides what is of nearness `near`. The rectangle lies within the image.
   bool (*hides)(const Tiles&, int x0, int y0, int x1, int y1, float near);
+  bool (*hides_hull)(const Tiles&, const Hull&);
+  /// Projects up to Rectangles::capacity boxes, of which `boxes` has six floats each (lo, hi).
+  void (*project_boxes)(const QueryView&, const float* boxes, std::size_t count, Rectangles&);
 };
 
 /// The best target of this machine, and the scalar reference.

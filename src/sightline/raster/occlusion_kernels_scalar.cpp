@@ -2,24 +2,49 @@
 #define HWY_COMPILE_ONLY_SCALAR
 #include <hwy/highway.h>
 
-#include "sightline/raster/occlusion_kernels.inl.hpp"
+#include <algorithm>
+
+#include "sightline/raster/occlusion_prepare.inl.hpp"
 
 namespace sightline::raster {
 
 const Kernels& scalar_kernels() {
   namespace scalar = HWY_NAMESPACE;
-  static const Kernels kernels{"scalar",       scalar::draw_mesh, scalar::fill_triangle, scalar::mark_contour,
-                               scalar::commit, scalar::reduce,    scalar::hides};
+  static const Kernels kernels{"scalar",      scalar::prepare,    scalar::draw,
+                               scalar::hides, scalar::hides_hull, scalar::project_boxes};
   return kernels;
 }
 
+void DrawList::clear() {
+  runs.clear();
+  triangles = edges = 0;
+}
+
+void DrawList::reserve(std::size_t more_triangles, std::size_t more_edges) {
+  const auto grow = [](std::vector<float>& array, std::size_t wanted) {
+    wanted += tile_pixels;  // whole vectors are read
+    if (array.size() < wanted) array.resize(std::max(wanted, 2 * array.size()));
+  };
+  if (more_triangles > 0)
+    for (std::size_t i = 0; i < 3; ++i)
+      for (auto* array : {&x[i], &y[i], &near[i]}) grow(*array, triangles + more_triangles);
+  if (more_edges > 0)
+    for (std::size_t i = 0; i < 2; ++i)
+      for (auto* array : {&edge_x[i], &edge_y[i]}) grow(*array, edges + more_edges);
+}
+
 void Tiles::resize(int new_width, int new_height) {
+  const bool same = width == new_width && height == new_height;
   width = new_width;
   height = new_height;
   across = (width + tile_size - 1) / tile_size;
   down = (height + tile_size - 1) / tile_size;
   const auto count = static_cast<std::size_t>(across) * static_cast<std::size_t>(down);
-  hidden.assign(count * tile_pixels, nothing_near);
+  constexpr std::size_t padding = tile_pixels;  // of `farthest`, which is read by whole vectors across tiles
+  hidden.resize(count * tile_pixels);
+  farthest.resize(count + padding);
+  std::fill(hidden.begin(), hidden.end(), nothing_near);
+  std::fill(farthest.begin(), farthest.end(), nothing_near);
   // Pixels of the last tiles that lie beyond the image must not keep a tile from counting as hidden.
   for (int row = 0; row < down; ++row)
     for (int column = 0; column < across; ++column) {
@@ -29,12 +54,11 @@ void Tiles::resize(int new_width, int new_height) {
         if (column * tile_size + lane % tile_size >= width || row * tile_size + lane / tile_size >= height)
           pixels[lane] = std::numeric_limits<float>::infinity();
     }
+  if (same) return;  // drawing leaves the rest empty
   layer.assign(count * tile_pixels, std::numeric_limits<float>::infinity());
   covered.assign(count, 0);
   contour.assign(count, 0);
   listed.assign(count, 0);
-  touched.clear();
-  farthest.assign(count, nothing_near);
 }
 
 }  // namespace sightline::raster

@@ -6,14 +6,13 @@
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 
-#include "sightline/raster/occlusion_kernels.inl.hpp"
+#include "sightline/raster/occlusion_prepare.inl.hpp"
 
 HWY_BEFORE_NAMESPACE();
 namespace sightline::raster::HWY_NAMESPACE {
 
 inline const Kernels* table() {
-  static const Kernels kernels{
-      hwy::TargetName(HWY_TARGET), draw_mesh, fill_triangle, mark_contour, commit, reduce, hides};
+  static const Kernels kernels{hwy::TargetName(HWY_TARGET), prepare, draw, hides, hides_hull, project_boxes};
   return &kernels;
 }
 

@@ -102,6 +102,22 @@ PixelRay pixel_ray(const View& v, double x, double y) {
   return {v.eye + axes * glm::dvec3(right * half, up * half, 0.0), -axes[2], v.near, v.far};
 }
 
+Aabb frustum_bounds(const View& v) {
+  Aabb box;
+  for (int i = 0; i < 4; ++i) {
+    const PixelRay ray = pixel_ray(v, (i & 1) != 0 ? v.width : 0, (i & 2) != 0 ? v.height : 0);
+    for (const double t : {ray.t_near, ray.t_far})
+      for (int axis = 0; axis < 3; ++axis) {
+        const double along = ray.direction[axis] * t;
+        const double at = std::isnan(along) ? ray.origin[axis] : ray.origin[axis] + along;
+        const double slack = 1e-6 * (std::abs(ray.origin[axis]) + glm::length(ray.direction) * std::min(t, 1e30));
+        box.lo[axis] = std::min(box.lo[axis], static_cast<float>(at - slack));
+        box.hi[axis] = std::max(box.hi[axis], static_cast<float>(at + slack));
+      }
+  }
+  return box;
+}
+
 std::string describe(const View& v) {
   const glm::dvec3 d = view_direction(v);
   char text[256];

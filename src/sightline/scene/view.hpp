@@ -40,6 +40,10 @@ glm::dmat4 view_projection(const View& view);
 /// The six (or, without a far plane, five) planes with slack for world coordinates up to `reach` metres.
 Frustum view_frustum(const View& view, double reach);
 
+/// A box around all of the view's frustum, rounded outwards; infinite where the frustum is. A box that misses it is
+/// outside, though each of the planes alone may let it pass (checklist 20.11, E40).
+Aabb frustum_bounds(const View& view);
+
 /// The ray through a point of the image: origin + t * direction for t in [t_near, t_far] runs from the near to the far
 /// plane. direction has unit depth (its component along the view direction is 1), so t is the distance along -z.
 struct PixelRay {

@@ -1,0 +1,323 @@
+// From a mesh in a view to a list of what to draw: vertices to pixels, components that lie outside of the image, are
+// too small to cover a pixel, or are hidden already dropped whole, facing of triangles, contour edges. Included by
+// occlusion_kernels.inl.hpp's users, once per SIMD target.
+
+#if defined(SIGHTLINE_RASTER_OCCLUSION_PREPARE_INL) == defined(HWY_TARGET_TOGGLE)
+#ifdef SIGHTLINE_RASTER_OCCLUSION_PREPARE_INL
+#undef SIGHTLINE_RASTER_OCCLUSION_PREPARE_INL
+#else
+#define SIGHTLINE_RASTER_OCCLUSION_PREPARE_INL
+#endif
+
+#include "sightline/raster/occlusion_kernels.inl.hpp"
+#include "sightline/raster/occlusion_query.inl.hpp"
+
+HWY_BEFORE_NAMESPACE();
+namespace sightline::raster::HWY_NAMESPACE {
+
+/// Vertices to pixels. For a partial mesh also which of them floats get right.
+template <bool partial>
+HWY_INLINE void project(const OccluderMesh& mesh, const MeshView& view, Scratch& out) {
+  const Float d;
+  const ScreenTransform& t = view.screen;
+  const auto one = hn::Set(d, 1.0f);
+  const auto row = [&](const float* m, auto dx, auto dy, auto dz) SIGHTLINE_INLINE_LAMBDA {
+    return hn::Add(hn::Add(hn::Mul(hn::Set(d, m[0]), dx), hn::Mul(hn::Set(d, m[1]), dy)),
+                   hn::Mul(hn::Set(d, m[2]), dz));
+  };
+  const auto size = [&](const float* m, auto dx, auto dy, auto dz) SIGHTLINE_INLINE_LAMBDA {
+    return hn::Add(hn::Add(hn::Mul(hn::Set(d, std::abs(m[0])), dx), hn::Mul(hn::Set(d, std::abs(m[1])), dy)),
+                   hn::Mul(hn::Set(d, std::abs(m[2])), dz));
+  };
+  const auto relative = [&](const std::vector<float>& p, std::size_t i, int axis) SIGHTLINE_INLINE_LAMBDA {
+    return hn::Sub(hn::Sub(hn::LoadU(d, p.data() + i), hn::Set(d, t.eye_high[axis])), hn::Set(d, t.eye_low[axis]));
+  };
+  for (std::size_t i = 0; i < mesh.vertex_count; i += float_lanes()) {
+    const auto dx = relative(mesh.x, i, 0), dy = relative(mesh.y, i, 1), dz = relative(mesh.z, i, 2);
+    auto x = row(t.to_x, dx, dy, dz), y = row(t.to_y, dx, dy, dz);
+    const auto w = row(t.to_w, dx, dy, dz);
+    auto near = hn::Neg(w);
+    auto per_w = one;
+    if (t.perspective) {
+      near = per_w = hn::Div(one, w);
+      x = hn::Mul(x, near);
+      y = hn::Mul(y, near);
+    }
+    if constexpr (partial) {
+      // The products' sizes bound the rounding: see OcclusionBuffer's within_guard.
+      const auto ax = hn::Abs(dx), ay = hn::Abs(dy), az = hn::Abs(dz);
+      const auto size_w = hn::Mul(size(t.to_w, ax, ay, az), per_w);
+      const auto size_x = hn::Mul(size(t.to_x, ax, ay, az), per_w), size_y = hn::Mul(size(t.to_y, ax, ay, az), per_w);
+      const auto aside = hn::Max(hn::Abs(x), hn::Abs(y));
+      auto pixels = hn::Max(size_x, size_y);
+      if (t.perspective) pixels = hn::Add(pixels, hn::Mul(aside, size_w));
+      auto valid = hn::And(hn::Gt(w, hn::Set(d, view.nearest)), hn::Lt(aside, hn::Set(d, view.guard)));
+      valid = hn::And(valid, hn::Lt(hn::Mul(pixels, hn::Set(d, 0x1p-22f)), hn::Set(d, 0x1p-7f)));
+      valid = hn::And(valid, hn::Lt(size_w, hn::Set(d, view.error_w)));
+      hn::StoreU(hn::IfThenElseZero(valid, one), d, out.valid.data() + i);
+      hn::StoreU(w, d, out.w.data() + i);
+    }
+    hn::StoreU(hn::Add(x, hn::Set(d, t.centre_x)), d, out.x.data() + i);
+    hn::StoreU(hn::Add(y, hn::Set(d, t.centre_y)), d, out.y.data() + i);
+    hn::StoreU(near, d, out.near.data() + i);
+  }
+}
+
+/// Of the projected vertices of a component.
+struct ScreenBounds {
+  float low_x, high_x, low_y, high_y, nearest;
+  bool valid;  // of all vertices; otherwise the rest means nothing
+};
+
+HWY_INLINE ScreenBounds bounds_of(const Scratch& s, std::size_t begin, std::size_t end, bool partial) {
+  const Float d;
+  const auto high = hn::Set(d, std::numeric_limits<float>::infinity()), low = hn::Neg(high);
+  auto low_x = high, high_x = low, low_y = high, high_y = low, nearest = low, valid = hn::Set(d, 1.0f);
+  for (std::size_t i = begin; i < end; i += float_lanes()) {
+    const auto here = hn::FirstN(d, std::min(float_lanes(), end - i));
+    const auto x = hn::LoadU(d, s.x.data() + i), y = hn::LoadU(d, s.y.data() + i),
+               near = hn::LoadU(d, s.near.data() + i);
+    low_x = hn::Min(low_x, hn::IfThenElse(here, x, high));
+    high_x = hn::Max(high_x, hn::IfThenElse(here, x, low));
+    low_y = hn::Min(low_y, hn::IfThenElse(here, y, high));
+    high_y = hn::Max(high_y, hn::IfThenElse(here, y, low));
+    nearest = hn::Max(nearest, hn::IfThenElse(here, near, low));
+    if (partial) valid = hn::Min(valid, hn::IfThenElse(here, hn::LoadU(d, s.valid.data() + i), hn::Set(d, 1.0f)));
+  }
+  return {hn::GetLane(hn::MinOfLanes(d, low_x)),   hn::GetLane(hn::MaxOfLanes(d, high_x)),
+          hn::GetLane(hn::MinOfLanes(d, low_y)),   hn::GetLane(hn::MaxOfLanes(d, high_y)),
+          hn::GetLane(hn::MaxOfLanes(d, nearest)), hn::GetLane(hn::MinOfLanes(d, valid)) > 0.5f};
+}
+
+/// True if what counts of a pixel fits nowhere between low and high, less the margin, within the image.
+HWY_INLINE bool holds_no_pixel(float low, float high, const Margins& margins, int pixels) {
+  const float inset = margins.pixels + margins.square - 0.5f;
+  const float first = std::ceil(std::max(low + inset, 0.0f));
+  const float last = std::floor(std::min(high - inset, static_cast<float>(pixels)));
+  return !(first + 1.0f <= last);
+}
+
+class Preparation {
+ public:
+  HWY_INLINE Preparation(const OccluderMesh& mesh, const MeshView& view, const Tiles& tiles, Scratch& s, DrawList& out)
+      : mesh_(mesh), view_(view), tiles_(tiles), s_(s), out_(out) {}
+
+  HWY_INLINE void component(std::size_t c) {
+    const ScreenBounds bounds = bounds_of(s_, mesh_.vertex_begin[c], mesh_.vertex_begin[c + 1], view_.partial);
+    nearest_ = std::numeric_limits<float>::infinity();
+    rows_ = {0, tiles_.down - 1};
+    columns_ = {0, tiles_.across - 1};
+    const float margin = view_.margins.pixels;
+    if (bounds.valid) {
+      if (holds_no_pixel(bounds.low_x, bounds.high_x, view_.margins, tiles_.width) ||
+          holds_no_pixel(bounds.low_y, bounds.high_y, view_.margins, tiles_.height))
+        return;
+      nearest_ = bounds.nearest + std::abs(bounds.nearest) * 0x1p-12f;  // also of what rounding makes of it
+      columns_ = tile_range(bounds.low_x - margin, bounds.high_x + margin, tiles_.width);
+      rows_ = tile_range(bounds.low_y - margin, bounds.high_y + margin, tiles_.height);
+      if (hides_tiles(tiles_, columns_, rows_, nearest_)) return;
+    }
+    begin_ = mesh_.triangle_begin[c];
+    end_ = mesh_.triangle_begin[c + 1];
+    clipped_ = 0;
+    if (view_.partial && !bounds.valid)
+      classify<true>();
+    else
+      classify<false>();
+    s_.facing[mesh_.triangle_count] = 0.0f;
+    side(c, 1.0f, s_.front, front_, !bounds.valid);
+    if (!mesh_.closed) side(c, -1.0f, s_.back, back_, !bounds.valid);
+  }
+
+ private:
+  /// Fills `facing` (> 0 front, < 0 back, 0 without area or dropped) and the lists of front and back faces whose box
+  /// meets the image.
+  template <bool partial>
+  HWY_INLINE void classify() {
+    const Float d;
+    const Int di;
+    const float margin = view_.margins.pixels;
+    const auto zero = hn::Zero(d), before = hn::Set(d, -margin);
+    const auto right = hn::Set(d, static_cast<float>(tiles_.width) + margin);
+    const auto bottom = hn::Set(d, static_cast<float>(tiles_.height) + margin);
+    front_ = back_ = 0;
+    for (std::size_t i = begin_; i < end_; i += float_lanes()) {
+      const auto c0 = hn::LoadU(di, mesh_.corner0.data() + i), c1 = hn::LoadU(di, mesh_.corner1.data() + i),
+                 c2 = hn::LoadU(di, mesh_.corner2.data() + i);
+      const auto x0 = hn::GatherIndex(d, s_.x.data(), c0), x1 = hn::GatherIndex(d, s_.x.data(), c1),
+                 x2 = hn::GatherIndex(d, s_.x.data(), c2);
+      const auto y0 = hn::GatherIndex(d, s_.y.data(), c0), y1 = hn::GatherIndex(d, s_.y.data(), c1),
+                 y2 = hn::GatherIndex(d, s_.y.data(), c2);
+      auto facing = hn::Sub(hn::Mul(hn::Sub(x2, x0), hn::Sub(y1, y0)), hn::Mul(hn::Sub(x1, x0), hn::Sub(y2, y0)));
+      if (view_.mirrored) facing = hn::Neg(facing);
+      auto drawn = hn::FirstN(d, std::min(float_lanes(), end_ - i));
+      if constexpr (partial) {
+        const auto valid =
+            hn::Mul(hn::Mul(hn::GatherIndex(d, s_.valid.data(), c0), hn::GatherIndex(d, s_.valid.data(), c1)),
+                    hn::GatherIndex(d, s_.valid.data(), c2));
+        const auto whole = hn::Gt(valid, zero);
+        facing = hn::IfThenElseZero(whole, facing);
+        hn::StoreU(facing, d, s_.facing.data() + i);
+        std::uint32_t bits = bits_of(d, hn::AndNot(whole, drawn));
+        for (std::size_t k = i; bits != 0; ++k, bits >>= 1)
+          if ((bits & 1u) != 0) classify_clipped(k);
+        drawn = hn::And(drawn, whole);
+      } else {
+        hn::StoreU(facing, d, s_.facing.data() + i);
+      }
+      const auto meets = [&](auto p0, auto p1, auto p2, auto high) SIGHTLINE_INLINE_LAMBDA {
+        return hn::And(hn::Ge(max3(p0, p1, p2), before), hn::Le(min3(p0, p1, p2), high));
+      };
+      drawn = hn::And(drawn, hn::And(meets(x0, x1, x2, right), meets(y0, y1, y2, bottom)));
+      const auto ids = hn::Iota(di, static_cast<std::int32_t>(i));
+      const auto to_front = hn::And(drawn, hn::Gt(facing, zero));
+      front_ += hn::CompressStore(ids, hn::RebindMask(di, to_front), di, s_.front.data() + front_);
+      if (mesh_.closed) continue;
+      const auto to_back = hn::And(drawn, hn::Lt(facing, zero));
+      back_ += hn::CompressStore(ids, hn::RebindMask(di, to_back), di, s_.back.data() + back_);
+    }
+  }
+
+  [[nodiscard]] glm::vec3 position(std::int32_t vertex) const {
+    const auto v = static_cast<std::size_t>(vertex);
+    return {mesh_.x[v], mesh_.y[v], mesh_.z[v]};
+  }
+
+  /// A triangle with a corner that floats get wrong. Dropped (without facing, so that its neighbours have a contour
+  /// there) if all of it lies before the near plane or outside of one side of the image.
+  HWY_INLINE void classify_clipped(std::size_t i) {
+    const ScreenTransform& t = view_.screen;
+    const std::int32_t v[3] = {mesh_.corner0[i], mesh_.corner1[i], mesh_.corner2[i]};
+    unsigned outside = 31;
+    for (const std::int32_t vertex : v) {
+      const auto k = static_cast<std::size_t>(vertex);
+      const float w = s_.w[k], h = t.perspective ? w : 1.0f;
+      const float x = (s_.x[k] - t.centre_x) * h, y = (s_.y[k] - t.centre_y) * h;
+      const float wide = view_.half_width * h, high = view_.half_height * h;
+      outside &= (w <= static_cast<float>(view_.clip.near) ? 1u : 0u) | (x > wide ? 2u : 0u) | (x < -wide ? 4u : 0u) |
+                 (y > high ? 8u : 0u) | (y < -high ? 16u : 0u);
+    }
+    if (outside != 0) return;
+    double facing = clip_facing(view_.clip, position(v[0]), position(v[1]), position(v[2]));
+    if (view_.mirrored) facing = -facing;
+    if (!(std::abs(facing) > 0.0)) return;
+    s_.facing[i] = facing > 0.0 ? 1.0f : -1.0f;
+    s_.clipped[clipped_++] = static_cast<std::int32_t>(i);
+  }
+
+  HWY_INLINE void side(std::size_t c, float sign, const std::vector<std::int32_t>& triangles, std::size_t count,
+                       bool with_clipped) {
+    if (count == 0 && clipped_ == 0) return;
+    s_.facing[mesh_.triangle_count + 1] = sign;
+    Run run{out_.triangles, 0,   out_.edges, 0, view_.margins, nearest_, rows_.first, rows_.last, columns_.first,
+            columns_.last,  true};
+    out_.reserve(count, 0);
+    for (std::size_t k = 0; k < count; ++k) take_triangle(static_cast<std::size_t>(triangles[k]));
+    const std::size_t contours = find_contours(c, sign);
+    out_.reserve(0, contours);
+    std::size_t to_clip = 0;
+    for (std::size_t k = 0; k < contours; ++k) {
+      const auto e = static_cast<std::size_t>(s_.edges[k]);
+      const auto from = static_cast<std::size_t>(mesh_.edge_from[e]), to = static_cast<std::size_t>(mesh_.edge_to[e]);
+      if (with_clipped && !(s_.valid[from] * s_.valid[to] > 0.0f)) {
+        s_.edges[to_clip++] = s_.edges[k];
+        continue;
+      }
+      out_.edge_x[0][out_.edges] = s_.x[from];
+      out_.edge_y[0][out_.edges] = s_.y[from];
+      out_.edge_x[1][out_.edges] = s_.x[to];
+      out_.edge_y[1][out_.edges] = s_.y[to];
+      ++out_.edges;
+    }
+    run.last_triangle = out_.triangles;
+    run.last_edge = out_.edges;
+    if (!with_clipped) {
+      out_.runs.push_back(run);
+      return;
+    }
+    run.last = false;
+    out_.runs.push_back(run);
+    run.first_triangle = out_.triangles;
+    run.first_edge = out_.edges;
+    run.margins = view_.clip_margins;
+    for (std::size_t k = 0; k < clipped_; ++k) {
+      const auto i = static_cast<std::size_t>(s_.clipped[k]);
+      if (s_.facing[i] * sign > 0.0f)
+        clip_triangle(view_.clip, position(mesh_.corner0[i]), position(mesh_.corner1[i]), position(mesh_.corner2[i]),
+                      out_);
+    }
+    for (std::size_t k = 0; k < to_clip; ++k) {
+      const auto e = static_cast<std::size_t>(s_.edges[k]);
+      clip_edge(view_.clip, position(mesh_.edge_from[e]), position(mesh_.edge_to[e]), out_);
+    }
+    run.last_triangle = out_.triangles;
+    run.last_edge = out_.edges;
+    run.last = true;
+    out_.runs.push_back(run);
+  }
+
+  HWY_INLINE void take_triangle(std::size_t t) {
+    const std::int32_t vertices[3] = {mesh_.corner0[t], mesh_.corner1[t], mesh_.corner2[t]};
+    for (std::size_t i = 0; i < 3; ++i) {
+      const auto v = static_cast<std::size_t>(vertices[i]);
+      out_.x[i][out_.triangles] = s_.x[v];
+      out_.y[i][out_.triangles] = s_.y[v];
+      out_.near[i][out_.triangles] = s_.near[v];
+    }
+    ++out_.triangles;
+  }
+
+  /// Fills `edges` with the contours of the triangles whose facing has this sign: edges that do not join two of them.
+  /// Returns their number.
+  HWY_INLINE std::size_t find_contours(std::size_t c, float sign) {
+    const Float d;
+    const Int di;
+    const auto zero = hn::Zero(d), direction = hn::Set(d, sign);
+    const std::size_t begin = mesh_.edge_begin[c], end = mesh_.edge_begin[c + 1];
+    std::size_t count = 0;
+    for (std::size_t i = begin; i < end; i += float_lanes()) {
+      const auto drawn = [&](const std::vector<std::int32_t>& triangles) SIGHTLINE_INLINE_LAMBDA {
+        const auto facing = hn::GatherIndex(d, s_.facing.data(), hn::LoadU(di, triangles.data() + i));
+        return hn::Gt(hn::Mul(facing, direction), zero);
+      };
+      const auto first = drawn(mesh_.edge_first), second = drawn(mesh_.edge_second);
+      const auto inner = hn::And(hn::And(first, second), hn::Gt(hn::LoadU(d, mesh_.edge_winding.data() + i), zero));
+      auto contour = hn::AndNot(inner, hn::Or(first, second));
+      contour = hn::And(contour, hn::FirstN(d, std::min(float_lanes(), end - i)));
+      const auto ids = hn::Iota(di, static_cast<std::int32_t>(i));
+      count += hn::CompressStore(ids, hn::RebindMask(di, contour), di, s_.edges.data() + count);
+    }
+    return count;
+  }
+
+  const OccluderMesh& mesh_;
+  const MeshView& view_;
+  const Tiles& tiles_;
+  Scratch& s_;
+  DrawList& out_;
+  std::size_t begin_ = 0, end_ = 0, front_ = 0, back_ = 0, clipped_ = 0;
+  float nearest_ = 0;
+  TileRange rows_{0, -1}, columns_{0, -1};
+};
+
+inline void prepare(const OccluderMesh& mesh, const MeshView& view, const Tiles& tiles, Scratch& s, DrawList& out) {
+  constexpr std::size_t padding = 2 * tile_pixels;
+  if (s.x.size() < mesh.vertex_count + padding)
+    for (auto* array : {&s.x, &s.y, &s.near, &s.w, &s.valid}) array->resize(mesh.vertex_count + padding);
+  if (s.facing.size() < mesh.triangle_count + padding) {
+    s.facing.resize(mesh.triangle_count + padding);
+    for (auto* array : {&s.front, &s.back, &s.clipped}) array->resize(mesh.triangle_count + padding);
+  }
+  if (s.edges.size() < mesh.edge_count + padding) s.edges.resize(mesh.edge_count + padding);
+  if (view.partial)
+    project<true>(mesh, view, s);
+  else
+    project<false>(mesh, view, s);
+  Preparation preparation(mesh, view, tiles, s, out);
+  for (std::size_t c = 0; c + 1 < mesh.triangle_begin.size(); ++c) preparation.component(c);
+}
+
+}  // namespace sightline::raster::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#endif
