@@ -46,11 +46,9 @@ Counters draw(const std::string& method, Show show, const Scene& scene, const Vi
     return counters;
   }
   const IndexedScene indexed = index_scene(scene);
-  const std::string text = method + (show == Show::overdraw ? ":overdraw=on" : "");
+  const bool count = show == Show::overdraw && method.find(":overdraw=") == std::string::npos;
+  const std::string text = method + (count ? ":overdraw=on" : "");
   const auto renderer = as_usage([&] { return make_renderer(text, indexed); });
-  const bool count = options.show == Show::overdraw && options.method.find(":overdraw=") == std::string::npos;
-  const std::string method = options.method + (count ? ":overdraw=on" : "");
-  const auto renderer = as_usage([&] { return make_renderer(method, indexed); });
   renderer->draw(view, VisibleSet::all(scene.objects().size()), frame, counters);
   if (show == Show::stencil) count_layers(scene, view, frame);
   return counters;

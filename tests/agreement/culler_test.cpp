@@ -34,6 +34,7 @@ std::vector<Contender> contenders() {
   for (const char* setting : {"occlusion_hzb:pixels=30", "occlusion_hom:opacity=0.7:holes=9",
                               "occlusion_horizon:occluders=boxes", "occlusion_virtual:step=64:pixels=2"})
     all.push_back({setting, Promise::approximate});
+  for (const char* setting :
        {"bound=ritter:coherence=on", "bound=aabb:meta=on", "bound=aabb:test=clip", "bound=obb_pca", "bound=obb",
         "bound=kdop14:coherence=on", "bound=kdop18", "bound=kdop26:meta=on", "bound=hull", "bound=sphere:meta=on"})
     all.push_back({std::string("frustum_bounds:") + setting, Promise::conservative_continuous});

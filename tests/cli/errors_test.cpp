@@ -92,8 +92,8 @@ TEST_F(Errors, FailureLeavesNoFiles) {
 }
 
 TEST_F(Errors, HelpIsNoError) {
-  for (const char* verb : {"info", "list", "generate", "walk", "render", "explain", "completion"}) {
-  for (const char* verb : {"info", "list", "generate", "walk", "render", "raster-report"}) {
+  for (const char* verb :
+       {"info", "list", "generate", "walk", "render", "explain", "completion", "view", "compare", "raster-report"}) {
     const Outcome outcome = run({verb, "--help"});
     EXPECT_EQ(outcome.code, 0);
     EXPECT_EQ(outcome.err, "");

@@ -19,17 +19,9 @@ class OcclusionMasked final : public Culler {
         bvh_(scene.bvh),
         config_(config),
         buffer_(config.scalar),
-        meshes_(scene.scene.meshes().size()) {
-    if (config.automatic) {
-      prepare_automatic();
-      return;
-    }
-    parallel_blocks(meshes_.size(), 4, [&](std::size_t begin, std::size_t end) {
-      for (std::size_t i = begin; i < end; ++i) prepare(i);
-    });
+        occluders_(config.occluders ? config.occluders : occluders_of(scene.scene, config)) {
     if (config.tight > 1.0) tight_ = OccludeeBounds(scene.scene, {.sigma = config.tight});
   }
-        occluders_(config.occluders ? config.occluders : own_occluders(scene.scene, config)) {}
 
   void cull(const View& view, const VisibleSet& candidates, VisibleSet& visible, Counters& counters) override {
     visible.reset(candidates.universe());
@@ -48,6 +40,37 @@ class OcclusionMasked final : public Culler {
     ObjectId id;
     float value;
   };
+
+  static std::shared_ptr<const OccluderSet> occluders_of(const Scene& scene, const OcclusionMaskedConfig& config) {
+    return config.automatic ? automatic_occluders(scene, config) : own_occluders(scene, config);
+  }
+
+  static std::shared_ptr<const OccluderSet> automatic_occluders(const Scene& scene,
+                                                                const OcclusionMaskedConfig& config) {
+    AutoOccluderConfig made;
+    made.budget = static_cast<std::uint64_t>(config.auto_budget);
+    const AutoOccluders automatic = make_auto_occluders(scene, made);
+    auto set = std::make_shared<OccluderSet>();
+    for (const AutoOccluder& occluder : automatic.meshes) {
+      set->by_mesh.push_back(make_occluder(occluder.surface.positions, occluder.surface.triangles));
+      set->solids.push_back(make_occluder(occluder.solid.positions, occluder.solid.triangles));
+    }
+    return set;
+  }
+
+  /// What stands for a mesh: triangles of its occluder, boxes inside of it included.
+  [[nodiscard]] std::uint32_t triangles_of(MeshId mesh) const {
+    return occluders_->by_mesh[mesh].triangle_count +
+           (occluders_->solids.empty() ? 0 : occluders_->solids[mesh].triangle_count);
+  }
+
+  /// Boxes inside a mesh hide only where its whole surface counts: none of it before the near plane.
+  static bool behind_near(const Aabb& box, const View& view) {
+    const glm::dvec3 direction = view_direction(view), lo(box.lo), hi(box.hi);
+    const double nearest =
+        glm::dot(direction, 0.5 * (lo + hi) - view.eye) - glm::dot(glm::abs(direction), 0.5 * (hi - lo));
+    return nearest > view.near + 1e-6 * (glm::length(lo) + glm::length(hi) + glm::length(view.eye));
+  }
 
   /// Every mesh its own occluder, unless it can never fit the budget.
   static std::shared_ptr<const OccluderSet> own_occluders(const Scene& scene, const OcclusionMaskedConfig& config) {
@@ -103,10 +126,7 @@ class OcclusionMasked final : public Culler {
         if (outside(frustum_, object.bounds, object_planes)) continue;
         const double size = size_of(object.bounds, eye, focal, view);
         if (size < config_.min_size) continue;
-        const auto triangles = static_cast<double>(triangles_of(object.mesh));
-        if (config_.automatic && triangles == 0) continue;
-        occluders_.push_back({id, static_cast<float>(size * size / (triangles + 30.0))});
-        const std::uint32_t triangles = occluders_->by_mesh[object.mesh].triangle_count;
+        const std::uint32_t triangles = triangles_of(object.mesh);
         if (triangles == 0 || size * size < config_.detail * triangles) continue;
         choices_.push_back({id, static_cast<float>(size * size / (triangles + 30.0))});
       }
@@ -126,54 +146,11 @@ class OcclusionMasked final : public Culler {
     return focal * static_cast<double>(size) / std::max(static_cast<double>(distance), view.near);
   }
 
-  /// Makes the occluder of a mesh, unless it can never fit the budget.
-  void prepare(std::size_t i) {
-    const Mesh& mesh = scene_.meshes()[i];
-    if (mesh.triangles.size() <= static_cast<std::size_t>(config_.triangles))
-      meshes_[i] = make_occluder(mesh.positions, mesh.triangles);
-  }
-
-  void prepare_automatic() {
-    AutoOccluderConfig config;
-    config.budget = static_cast<std::uint64_t>(config_.auto_budget);
-    const AutoOccluders automatic = make_auto_occluders(scene_, config);
-    solids_.resize(meshes_.size());
-    for (std::size_t i = 0; i < meshes_.size(); ++i) {
-      const AutoOccluder& occluder = automatic.meshes[i];
-      meshes_[i] = make_occluder(occluder.surface.positions, occluder.surface.triangles);
-      solids_[i] = make_occluder(occluder.solid.positions, occluder.solid.triangles);
-    }
-  }
-
-  /// What an object costs as an occluder.
-  [[nodiscard]] std::size_t triangles_of(MeshId mesh) const {
-    if (config_.automatic) return meshes_[mesh].triangle_count + solids_[mesh].triangle_count;
-    return scene_.meshes()[mesh].triangles.size();
-  }
-
-  /// Boxes inside a mesh hide only where its whole surface counts: none of it before the near plane.
-  static bool behind_near(const Aabb& box, const View& view) {
-    const glm::dvec3 direction = view_direction(view), lo(box.lo), hi(box.hi);
-    const double nearest =
-        glm::dot(direction, 0.5 * (lo + hi) - view.eye) - glm::dot(glm::abs(direction), 0.5 * (hi - lo));
-    return nearest > view.near + 1e-6 * (glm::length(lo) + glm::length(hi) + glm::length(view.eye));
-  }
-
   /// The best first, in rounds: what one round hides is not drawn in the next, and costs nothing of the budget.
   void draw_occluders(const View& view, Counters& counters) {
     const auto scaled = [&](int pixels) {
       return std::clamp(static_cast<int>(std::lround(pixels * config_.resolution)), 1, 16384);
     };
-    buffer_.begin(view, scaled(view.width), scaled(view.height));
-    std::int64_t budget = config_.triangles;
-    for (const Occluder& occluder : occluders_) {
-      const Object& object = scene_.objects()[occluder.id];
-      const auto triangles = static_cast<std::int64_t>(triangles_of(object.mesh));
-      if (triangles > budget || !buffer_.may_be_seen(object.bounds)) continue;
-      budget -= triangles;
-      buffer_.add_occluder(meshes_[object.mesh], object.transform);
-      if (config_.automatic && solids_[object.mesh].triangle_count > 0 && behind_near(object.bounds, view))
-        buffer_.add_occluder(solids_[object.mesh], object.transform);
     buffer_.begin(view, scaled(view.width), scaled(view.height),
                   config_.centres ? Coverage::centres : Coverage::squares);
     std::int64_t budget = config_.triangles, round_size = 1024;
@@ -181,11 +158,13 @@ class OcclusionMasked final : public Culler {
       round_.clear();
       for (std::int64_t round = round_size; next < choices_.size() && round > 0; ++next) {
         const Object& object = scene_.objects()[choices_[next].id];
-        const OccluderMesh& mesh = occluders_->by_mesh[object.mesh];
-        if (mesh.triangle_count > budget || !buffer_.may_be_seen_by_rectangle(object.bounds)) continue;
-        budget -= mesh.triangle_count;
-        round -= mesh.triangle_count;
-        round_.push_back({&mesh, object.transform});
+        const std::uint32_t triangles = triangles_of(object.mesh);
+        if (triangles > budget || !buffer_.may_be_seen_by_rectangle(object.bounds)) continue;
+        budget -= triangles;
+        round -= triangles;
+        round_.push_back({&occluders_->by_mesh[object.mesh], object.transform});
+        if (!occluders_->solids.empty() && behind_near(object.bounds, view))
+          round_.push_back({&occluders_->solids[object.mesh], object.transform});
       }
       buffer_.add_occluders(round_);
     }
@@ -222,21 +201,6 @@ class OcclusionMasked final : public Culler {
     }
   }
 
-  void collect_object(ObjectId id, std::uint32_t planes, bool all, const VisibleSet& candidates, VisibleSet& visible,
-                      Counters& counters) {
-    if (!all && !candidates.contains(id)) return;
-    const Aabb& box = scene_.objects()[id].bounds;
-    if (box.empty()) return;
-    ++counters.boxes_tested;
-    if (outside(frustum_, box, planes)) return;
-    ++counters.queries;
-    if (!buffer_.may_be_seen(box)) return;
-    if (!tight_.empty() && tight_.boxes(id).size() > 1 && !tight_.any(id, [&](const Aabb& part) {
-          ++counters.queries;
-          return buffer_.may_be_seen(part);
-        }))
-      return;
-    visible.insert(id);
   void collect_objects(const BvhNode& leaf, std::uint32_t planes, bool all, const VisibleSet& candidates,
                        VisibleSet& visible, Counters& counters) {
     leaf_ids_.clear();
@@ -255,17 +219,24 @@ class OcclusionMasked final : public Culler {
     leaf_seen_.resize(leaf_ids_.size());
     buffer_.test(leaf_boxes_, leaf_seen_);
     for (std::size_t i = 0; i < leaf_ids_.size(); ++i)
-      if (leaf_seen_[i] != 0) visible.insert(leaf_ids_[i]);
+      if (leaf_seen_[i] != 0 && parts_may_be_seen(leaf_ids_[i], counters)) visible.insert(leaf_ids_[i]);
+  }
+
+  /// The tight bounds of an object whose box may be seen; true without.
+  bool parts_may_be_seen(ObjectId id, Counters& counters) const {
+    if (tight_.empty() || tight_.boxes(id).size() <= 1) return true;
+    return tight_.any(id, [&](const Aabb& part) {
+      ++counters.queries;
+      return buffer_.may_be_seen(part);
+    });
   }
 
   const Scene& scene_;
   const Bvh& bvh_;
   OcclusionMaskedConfig config_;
   OcclusionBuffer buffer_;
-  OccludeeBounds tight_;              // empty without
-  std::vector<OccluderMesh> meshes_;  // by mesh id; empty where it can never fit the budget
-  std::vector<OccluderMesh> solids_;  // by mesh id: boxes inside of it; automatic occluders only
   std::shared_ptr<const OccluderSet> occluders_;
+  OccludeeBounds tight_;  // empty without
   Frustum frustum_;
   std::vector<Visit> stack_;
   std::vector<Choice> choices_;
@@ -289,15 +260,14 @@ std::unique_ptr<Culler> make_occlusion_masked(const IndexedScene& scene, Paramet
   parameters.read("detail", config.detail, 0.0, 1e6);
   parameters.read("centres", config.centres);
   parameters.read("scalar", config.scalar);
+  parameters.read("tight", config.tight, 1.0, 100.0);
+  parameters.read("auto_budget", config.auto_budget, 0, 1 << 30);
   std::string occluders = "all";
   parameters.read("occluders", occluders);
-  parameters.read("auto_budget", config.auto_budget, 0, 1 << 30);
-  parameters.read("tight", config.tight, 1.0, 100.0);
   parameters.finish();
   if (occluders != "all" && occluders != "auto")
-    throw InputError("", "occlusion_masked: occluders", "must be all or auto, not '" + occluders + "'");
+    throw InputError("occlusion_masked", "occluders", "must be all or auto, not '" + occluders + "'");
   config.automatic = occluders == "auto";
-  return std::make_unique<OcclusionMasked>(scene, config);
   if (config.centres && config.resolution != 1.0)
     throw InputError("occlusion_masked", "centres",
                      "pixel centres alone count only in a buffer of the view's size: resolution=1");

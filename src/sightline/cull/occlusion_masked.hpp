@@ -12,19 +12,14 @@
 
 namespace sightline {
 
-struct OcclusionMaskedConfig {
-  double resolution = 0.5;  // buffer pixels per view pixel along each axis, 1/16 to 2
-  int triangles = 60000;    // budget of occluder triangles per frame
-  double min_size = 12;     // view pixels: objects whose sphere looks smaller hide too little to be drawn
-  bool automatic = false;   // draw the meshes' automatic occluders (raster/auto_occluders.hpp) in their place
-  int auto_budget = 0;      // triangles of those over the whole scene; 0: a tenth of the scene's
-  bool scalar = false;      // run the one-lane reference loops; the answer is the same
-  double tight = 1.0;       // sigma of tight occludee bounds (scene/occludee_bounds), 1 for one box per object
 /// Other occluders than the scene's own meshes, simpler ones for example. What they cover must be covered by the meshes
 /// that they stand for, from every eye.
 struct OccluderSet {
   /// By mesh id, in mesh space; an empty one hides nothing.
   std::vector<OccluderMesh> by_mesh;
+  /// By mesh id, in mesh space: what lies inside of a closed mesh, drawn where no part of the object lies before the
+  /// near plane; empty without.
+  std::vector<OccluderMesh> solids;
 };
 
 struct OcclusionMaskedConfig {
@@ -34,7 +29,10 @@ struct OcclusionMaskedConfig {
   double detail = 4;         // square view pixels per triangle: objects with finer triangles are not drawn
   bool centres = false;      // promise pixel centres alone; needs resolution 1
   bool scalar = false;       // run the one-lane reference loops; the answer is the same
-  std::shared_ptr<const OccluderSet> occluders;  // null: the meshes themselves
+  double tight = 1.0;        // sigma of tight occludee bounds (scene/occludee_bounds), 1 for one box per object
+  bool automatic = false;    // draw the meshes' automatic occluders (raster/auto_occluders.hpp) in their place
+  int auto_budget = 0;       // triangles of those over the whole scene; 0: a tenth of the scene's
+  std::shared_ptr<const OccluderSet> occluders;  // null: as `automatic` says
 };
 
 std::unique_ptr<Culler> make_occlusion_masked(const IndexedScene& scene, const OcclusionMaskedConfig& config);
