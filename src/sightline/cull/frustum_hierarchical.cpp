@@ -20,7 +20,7 @@ class FrustumHierarchical final : public Culler {
         boxes_(in_tree_order(scene)),
         ranges_(bvh_.nodes.size()),
         last_plane_(bvh_.nodes.size(), 0),
-        found_(255 + 16)  // the largest leaf {
+        found_(255 + 16) {  // the largest leaf
     for (std::size_t i = bvh_.nodes.size(); i-- > 0;) {
       const BvhNode& node = bvh_.nodes[i];
       ranges_[i] = node.leaf() ? ItemRange{node.first, node.first + node.count}
