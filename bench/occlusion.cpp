@@ -1,7 +1,8 @@
 // bench_occlusion [scene.glb occluders.txt viewpoints.txt]: the occlusion buffer by itself. Occluder fill, box queries,
 // and what the answers are worth: boxes called hidden that a ray can see (must be 0), and the share of the truly hidden
-// ones that is found. Contenders: the machine's SIMD loops beside the scalar ones, at three resolutions. Without
-// arguments the castle of shared/scenes beside the checkout; exits 1 if an answer is wrong, before anything is timed.
+// ones that is found. Contenders: the machine's SIMD loops beside the scalar ones, at three resolutions, and pixel
+// centres alone; one thread and two. Without arguments the castle of shared/scenes beside the checkout; exits 1 if an
+// answer is wrong, before anything is timed.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -125,92 +126,140 @@ struct Setting {
   const char* name;
   bool scalar;
   double resolution;
+  Coverage coverage = Coverage::squares;
+  bool outlines = true;
 };
 
 struct Task {
   Scene occluders;
   std::vector<OccluderMesh> meshes;
+  std::vector<OccluderInstance> instances;
   std::vector<View> views;
   std::vector<std::vector<Aabb>> boxes;
 
-  void draw(OcclusionBuffer& buffer, const View& view, double resolution) const {
-    buffer.begin(view, static_cast<int>(view.width * resolution), static_cast<int>(view.height * resolution));
-    for (const Object& object : occluders.objects()) buffer.add_occluder(meshes[object.mesh], object.transform);
+  void draw(OcclusionBuffer& buffer, const View& view, const Setting& setting) const {
+    buffer.begin(view, static_cast<int>(view.width * setting.resolution),
+                 static_cast<int>(view.height * setting.resolution), setting.coverage);
+    buffer.add_occluders(instances);
   }
 };
 
 /// Missed boxes and recall of a setting; the number of boxes that a ray sees though they were called hidden.
-std::size_t check(const Task& task, const Setting& setting, const std::vector<std::vector<Seen>>& truth) {
+std::size_t check(const Task& task, const Setting& setting, const std::vector<std::vector<Seen>>& truth,
+                  const char* samples) {
   std::size_t wrong = 0, hidden = 0, found = 0;
   OcclusionBuffer buffer(setting.scalar);
   for (std::size_t v = 0; v < task.views.size(); ++v) {
-    task.draw(buffer, task.views[v], setting.resolution);
+    task.draw(buffer, task.views[v], setting);
+    std::vector<std::uint8_t> seen(task.boxes[v].size());
+    buffer.test(task.boxes[v], seen, setting.outlines);
     for (std::size_t b = 0; b < task.boxes[v].size(); ++b) {
-      const bool culled = !buffer.may_be_seen(task.boxes[v][b]);
+      const bool culled = seen[b] == 0;
       wrong += culled && truth[v][b] == Seen::seen ? 1 : 0;
       hidden += truth[v][b] == Seen::hidden ? 1 : 0;
       found += culled && truth[v][b] == Seen::hidden ? 1 : 0;
     }
   }
-  std::printf("%-8s %10.2f  wrongly hidden %zu, recall %.2f %% of %zu hidden boxes\n", setting.name, setting.resolution,
-              wrong, 100.0 * static_cast<double>(found) / static_cast<double>(hidden), hidden);
+  std::printf(
+      "%-8s %10.2f  %-10s %-10s %s samples: wrongly hidden %zu, recall %.2f %% of %zu hidden (wanted 0, 99 %%)\n",
+      setting.name, setting.resolution, setting.coverage == Coverage::centres ? "centres" : "squares",
+      setting.outlines ? "outlines" : "rectangles", samples, wrong,
+      100.0 * static_cast<double>(found) / static_cast<double>(hidden), hidden);
   return wrong;
 }
 
-void time_all(const Task& task, const std::vector<Setting>& settings, int threads) {
+double wall_seconds() {
+  timespec now{};
+  clock_gettime(CLOCK_MONOTONIC, &now);
+  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
+}
+
+struct Times {
+  std::vector<double> fill, ask;
+};
+
+/// One round of every setting: CPU time with one thread, wall time with several.
+void time_round(const Task& task, const std::vector<Setting>& settings, int threads,
+                std::vector<OcclusionBuffer>& buffers, std::vector<Times>& times) {
   const ThreadLimit limit(threads);
-  std::vector<std::vector<double>> fill(settings.size()), ask(settings.size());
+  const auto seconds = threads == 1 ? cpu_seconds : wall_seconds;
+  std::vector<std::uint8_t> seen(boxes_per_view);
+  for (std::size_t s = 0; s < settings.size(); ++s)
+    for (std::size_t v = 0; v < task.views.size(); ++v) {
+      double start = seconds();
+      task.draw(buffers[s], task.views[v], settings[s]);
+      times[s].fill.push_back(seconds() - start);
+      start = seconds();
+      buffers[s].test(task.boxes[v], seen, settings[s].outlines);
+      times[s].ask.push_back(seconds() - start);
+    }
+}
+
+void time_all(const Task& task, const std::vector<Setting>& settings) {
   std::vector<OcclusionBuffer> buffers;
   for (const Setting& setting : settings) buffers.emplace_back(setting.scalar);
-  std::size_t seen = 0;
-  for (int round = 0; round < rounds; ++round)  // interleaved: noise of the machine hits all alike
-    for (std::size_t s = 0; s < settings.size(); ++s)
-      for (std::size_t v = 0; v < task.views.size(); ++v) {
-        double start = cpu_seconds();
-        task.draw(buffers[s], task.views[v], settings[s].resolution);
-        fill[s].push_back(cpu_seconds() - start);
-        start = cpu_seconds();
-        for (const Aabb& box : task.boxes[v]) seen += buffers[s].may_be_seen(box) ? 1 : 0;
-        ask[s].push_back(cpu_seconds() - start);
-      }
+  std::vector<Times> one(settings.size()), two(settings.size());
+  for (int round = 0; round < rounds; ++round) {  // interleaved: noise of the machine hits all alike
+    time_round(task, settings, 1, buffers, one);
+    time_round(task, settings, 2, buffers, two);
+  }
   const double triangles = static_cast<double>(task.occluders.triangle_count());
-  std::printf("\n%d thread(s), %zu answers 'may be seen'\n%-8s %10s %12s %14s %12s %14s\n", threads, seen, "loops",
-              "resolution", "fill ms", "M triangles/s", "x scalar", "M queries/s");
+  std::printf("\n%-8s %10s %-10s %9s %14s %9s %12s %12s %13s\n%-8s %10s %-10s %9s %14s %9s %12s %12s %13s\n", "loops",
+              "resolution", "asked by", "fill ms", "M triangles/s", "x scalar", "x, 2 threads", "M queries/s",
+              "x, 2 threads", "wanted", "", "", "", "150", "", "1.8", "60", "1.8");
   for (std::size_t s = 0; s < settings.size(); ++s) {
-    const double f = median(fill[s]), a = median(ask[s]);
-    std::printf("%-8s %10.2f %12.3f %14.1f %12.2f %14.2f\n", settings[s].scalar ? "scalar" : buffers[s].target(),
-                settings[s].resolution, 1e3 * f, 1e-6 * triangles / f, median(fill[s % 3]) / f,
-                1e-6 * boxes_per_view / a);
+    const double f = median(one[s].fill), a = median(one[s].ask);
+    std::printf("%-8s %10.2f %-10s %9.3f %14.1f %9.2f %12.2f %12.2f %13.2f\n",
+                settings[s].scalar ? "scalar" : buffers[s].target(), settings[s].resolution,
+                settings[s].outlines ? "outlines" : "rectangles", 1e3 * f, 1e-6 * triangles / f,
+                median(one[s % 3].fill) / f, f / median(two[s].fill), 1e-6 * boxes_per_view / a,
+                a / median(two[s].ask));
   }
 }
 
 int run(const std::string& scene_file, const std::string& names, const std::string& viewpoints) {
   const LoadedScene loaded = load_scene(scene_file);
-  Task task{occluders_of(loaded.scene, read_names(names)), {}, read_views(viewpoints, loaded.scene), {}};
+  Task task{occluders_of(loaded.scene, read_names(names)), {}, {}, read_views(viewpoints, loaded.scene), {}};
   for (const Mesh& mesh : task.occluders.meshes()) task.meshes.push_back(make_occluder(mesh.positions, mesh.triangles));
+  for (const Object& object : task.occluders.objects())
+    task.instances.push_back({&task.meshes[object.mesh], object.transform});
   std::printf("%zu occluders, %llu triangles, %zu views of 1280x720, %d random boxes each\n",
               task.occluders.objects().size(), static_cast<unsigned long long>(task.occluders.triangle_count()),
               task.views.size(), boxes_per_view);
   const Oracle oracle(task.occluders);
-  std::vector<std::vector<Seen>> truth;
+  std::vector<std::vector<Seen>> between(task.views.size()), centres(task.views.size());
   for (std::size_t v = 0; v < task.views.size(); ++v) {
     task.boxes.push_back(random_boxes(loaded.scene.bounds(), 100 + v));
-    View fine = task.views[v];  // 4 x 4 samples of every pixel
-    fine.width *= 4;
-    fine.height *= 4;
-    Frame depth;
-    oracle.draw(fine, depth);
-    std::vector<Seen>& seen = truth.emplace_back(task.boxes[v].size());
-    parallel_blocks(seen.size(), 64, [&](std::size_t begin, std::size_t end) {
-      for (std::size_t b = begin; b < end; ++b) seen[b] = truth_of(task.boxes[v][b], fine, depth);
-    });
+    for (const int samples : {4, 1}) {  // along each axis of a pixel
+      View fine = task.views[v];
+      fine.width *= samples;
+      fine.height *= samples;
+      Frame depth;
+      oracle.draw(fine, depth);
+      std::vector<Seen>& seen = samples == 4 ? between[v] : centres[v];
+      seen.resize(task.boxes[v].size());
+      parallel_blocks(seen.size(), 64, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t b = begin; b < end; ++b) seen[b] = truth_of(task.boxes[v][b], fine, depth);
+      });
+    }
   }
-  const std::vector<Setting> settings{{"scalar", true, 1.0}, {"scalar", true, 0.5}, {"scalar", true, 0.25},
-                                      {"simd", false, 1.0},  {"simd", false, 0.5},  {"simd", false, 0.25}};
+  const std::vector<Setting> settings{{"scalar", true, 1.0},
+                                      {"scalar", true, 0.5},
+                                      {"scalar", true, 0.25},
+                                      {"simd", false, 1.0},
+                                      {"simd", false, 0.5},
+                                      {"simd", false, 0.25},
+                                      {"simd", false, 1.0, Coverage::squares, false},
+                                      {"simd", false, 0.5, Coverage::squares, false},
+                                      {"simd", false, 0.25, Coverage::squares, false},
+                                      {"simd", false, 1.0, Coverage::centres}};
   std::size_t wrong = 0;
-  for (const Setting& setting : settings) wrong += check(task, setting, truth);
+  for (const Setting& setting : settings)
+    wrong += setting.coverage == Coverage::centres ? check(task, setting, centres, "1x1")
+                                                   : check(task, setting, between, "4x4");
+  wrong += check(task, {"simd", false, 2.0}, between, "4x4");  // what more pixels would find
   if (wrong > 0) return 1;
-  time_all(task, settings, 1);
+  time_all(task, settings);
   return 0;
 }
 

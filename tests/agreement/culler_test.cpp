@@ -38,6 +38,11 @@ std::vector<Contender> contenders() {
        {"bound=ritter:coherence=on", "bound=aabb:meta=on", "bound=aabb:test=clip", "bound=obb_pca", "bound=obb",
         "bound=kdop14:coherence=on", "bound=kdop18", "bound=kdop26:meta=on", "bound=hull", "bound=sphere:meta=on"})
     all.push_back({std::string("frustum_bounds:") + setting, Promise::conservative_continuous});
+  for (const char* setting : {"resolution=0.25", "resolution=1:min_size=0:detail=0:triangles=1000000",
+                              "resolution=0.11", "resolution=2", "scalar=on:min_size=1:detail=0"})
+    all.push_back({std::string("occlusion_masked:") + setting, Promise::conservative_continuous});
+  all.push_back({"occlusion_masked:resolution=1:centres=on:min_size=1:detail=0", Promise::conservative});
+  all.push_back({"frustum_hierarchical:corners=on", Promise::conservative_continuous});
   return all;
 }
 

@@ -76,5 +76,17 @@ RC_GTEST_PROP(VisibleSetProperty, IsASet, ()) {
   RC_ASSERT(set_difference(a, b).subset_of(a));
 }
 
+TEST(VisibleSet, InsertNewIsInsertOfEach) {
+  VisibleSet one(200), other(200);
+  const std::vector<ObjectId> ids{5, 199, 64, 0, 63};
+  one.insert(7);
+  other.insert(7);
+  one.insert_new(ids);
+  for (const ObjectId id : ids) other.insert(id);
+  EXPECT_EQ(one.sorted(), other.sorted());
+  EXPECT_TRUE(std::equal(one.order().begin(), one.order().end(), other.order().begin(), other.order().end()));
+  for (ObjectId id = 0; id < 200; ++id) EXPECT_EQ(one.contains(id), other.contains(id)) << id;
+}
+
 }  // namespace
 }  // namespace sightline

@@ -50,5 +50,25 @@ TEST(FrustumBoxes, EveryTargetAndTailGivesTheReferencesAnswer) {
   EXPECT_LT(inside, all / 2);
 }
 
+TEST(FrustumBoxes, RangesAndPlaneMasks) {
+  Random random(4);
+  const std::vector<Aabb> list = random_boxes(300, 9);
+  const BoxArrays boxes(list);
+  for (int round = 0; round < 200; ++round) {
+    const View view = look_along({random.range(-50, 50), 0, random.range(-50, 50)}, random.direction());
+    const Frustum frustum = view_frustum(view, 60);
+    const std::uint32_t mask = random.below(64), begin = random.below(300), end = begin + random.below(301 - begin);
+    std::vector<std::uint32_t> ids(end - begin + 16), expected;
+    ids.resize(boxes_in_frustum(boxes, begin, end, frustum, mask, ids.data()));
+    for (std::uint32_t i = begin; i < end; ++i) {
+      bool in = !list[i].empty();
+      for (int p = 0; p < frustum.count; ++p)
+        if (((mask >> p) & 1u) != 0 && classify(frustum.planes[p], list[i]) == Containment::outside) in = false;
+      if (in) expected.push_back(i);
+    }
+    EXPECT_EQ(ids, expected) << round;
+  }
+}
+
 }  // namespace
 }  // namespace sightline

@@ -72,15 +72,17 @@ TEST(House, ReadmeTableIsTheRegistry) {
       << "run ./dev docs";
 }
 
-TEST(House, ReadmeExampleIsTheCompiledOne) {
-  const std::string source = read_text(root() / "examples/what_is_seen.cpp");
-  ASSERT_FALSE(source.empty());
-  std::string example;
-  for (const std::string& line : lines_of(between(source, "// [readme]", "  // [/readme]")))
-    example += (line.rfind("  ", 0) == 0 ? line.substr(2) : line) + "\n";
-  EXPECT_GE(lines_of(example).size(), 5u);
-  EXPECT_NE(read_text(root() / "README.md").find("```cpp\n" + example + "```\n"), std::string::npos)
-      << "README.md does not show the example of examples/what_is_seen.cpp verbatim";
+TEST(House, ReadmeExamplesAreTheCompiledOnes) {
+  for (const char* file : {"examples/what_is_seen.cpp", "examples/occlusion_buffer.cpp"}) {
+    const std::string source = read_text(root() / file);
+    ASSERT_FALSE(source.empty());
+    std::string example;
+    for (const std::string& line : lines_of(between(source, "// [readme]", "  // [/readme]")))
+      example += (line.rfind("  ", 0) == 0 ? line.substr(2) : line) + "\n";
+    EXPECT_GE(lines_of(example).size(), 5u);
+    EXPECT_NE(read_text(root() / "README.md").find("```cpp\n" + example + "```\n"), std::string::npos)
+        << "README.md does not show the example of " << file << " verbatim";
+  }
 }
 
 TEST(House, ReadmeNamesTheCommands) {

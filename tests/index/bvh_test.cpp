@@ -204,5 +204,28 @@ TEST(Bvh, ItemsBelowANodeAreThoseOfItsLeaves) {
   }
 }
 
+TEST(Bvh, RefitFollowsMovedGrownAndEmptiedBoxes) {
+  for (const std::size_t count : {1, 2, 5, 400}) {
+    std::vector<Aabb> boxes = random_boxes(count, 50, 4, 7);
+    Bvh bvh = build_bvh(boxes);
+    const std::vector<Aabb> moved = random_boxes(count, 80, 9, 8);
+    for (std::size_t i = 0; i < count; ++i) boxes[i] = i % 5 == 3 ? Aabb() : moved[i];
+    refit(bvh, boxes);
+    EXPECT_EQ(complaint(bvh, boxes, {}), "");
+  }
+  Bvh none;
+  refit(none, {});
+  EXPECT_TRUE(none.nodes.empty());
+}
+
+TEST(Bvh, RefitAfterNothingMovedChangesNothing) {
+  std::vector<Aabb> boxes = random_boxes(3000, 50, 4, 7);
+  boxes[17] = Aabb();
+  const Bvh built = build_bvh(boxes);
+  Bvh same = built;
+  refit(same, boxes);
+  for (std::size_t i = 0; i < built.nodes.size(); ++i) EXPECT_EQ(built.nodes[i].bounds, same.nodes[i].bounds) << i;
+}
+
 }  // namespace
 }  // namespace sightline

@@ -8,6 +8,7 @@
 #include <limits>
 
 #include "properties.hpp"
+#include "sightline/scene/generate/random.hpp"
 #include "sightline/scene/input_error.hpp"
 
 namespace sightline {
@@ -223,6 +224,25 @@ TEST(View, LooksAlongDirectionsOfAnyLength) {
     const glm::dvec3 d = view_direction(look_along({0, 0, 0}, {length, 0, length}));
     EXPECT_NEAR(d.x, std::sqrt(0.5), 1e-12);
     EXPECT_NEAR(d.z, std::sqrt(0.5), 1e-12);
+  }
+}
+
+TEST(View, FrustumBoundsHoldEveryPointOfTheFrustum) {
+  Random random(12);
+  for (int round = 0; round < 200; ++round) {
+    View view = look_along({random.range(-50, 50), random.range(-5, 5), random.range(-50, 50)}, random.direction());
+    view.fov_y = random.range(0.1, 2.5);
+    view.far = round % 5 == 0 ? std::numeric_limits<double>::infinity() : random.range(1, 500);
+    if (round % 3 == 0 && round % 5 != 0) {
+      view.projection = Projection::orthographic;
+      view.span_y = random.range(0.1, 100);
+    }
+    const Aabb bounds = frustum_bounds(view);
+    for (int i = 0; i < 50; ++i) {
+      const PixelRay ray = pixel_ray(view, random.range(0, view.width), random.range(0, view.height));
+      const double t = random.range(ray.t_near, std::min(ray.t_far, 1e4));
+      EXPECT_TRUE(bounds.contains(glm::vec3(ray.origin + t * ray.direction))) << describe(view);
+    }
   }
 }
 

@@ -10,6 +10,7 @@ namespace {
 
 /// Subtrees with at most so many objects are tested object by object, a vector of them at once.
 constexpr std::uint32_t few = 64;
+constexpr std::uint32_t largest_leaf = 255;
 
 class FrustumHierarchical final : public Culler {
  public:
@@ -21,6 +22,7 @@ class FrustumHierarchical final : public Culler {
         ranges_(bvh_.nodes.size()),
         last_plane_(bvh_.nodes.size(), 0),
         found_(255 + 16) {  // the largest leaf
+        found_(largest_leaf + 16) {
     for (std::size_t i = bvh_.nodes.size(); i-- > 0;) {
       const BvhNode& node = bvh_.nodes[i];
       ranges_[i] = node.leaf() ? ItemRange{node.first, node.first + node.count}

@@ -1,5 +1,5 @@
-/* The occlusion buffer for C: see occlusion_buffer.hpp, whose promises hold here too. No exception leaves a function;
- * functions that can fail return 0 for success. World space is right-handed, metres; matrices are column vectors. */
+// The occlusion buffer for C: see occlusion_buffer.hpp, whose promises hold here too. No exception leaves a function;
+// functions that can fail return 0 for success. World space is right-handed, metres; matrices are column vectors.
 #ifndef SIGHTLINE_RASTER_OCCLUSION_BUFFER_H
 #define SIGHTLINE_RASTER_OCCLUSION_BUFFER_H
 
