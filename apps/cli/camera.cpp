@@ -64,9 +64,67 @@ CameraPath open_path(const PathOptions& path, const CameraOptions& options, cons
   return result;
 }
 
-View single_view(const ViewOptions& options, const Scene& scene, std::uint64_t seed) {
+namespace {
+
+constexpr std::string_view camera_word = "camera";
+
+/// The name of the camera that --path asks for, empty for the first; nothing if it asks for something else.
+std::optional<std::string> wanted_camera(const std::string& path) {
+  if (path == camera_word) return "";
+  if (path.starts_with("camera:")) return path.substr(camera_word.size() + 1);
+  return std::nullopt;
+}
+
+/// The standing cameras of that name, all for no name.
+std::vector<View> standing_views(const LoadedScene& loaded, const std::string& name) {
+  std::vector<View> views;
+  std::string names;
+  for (const LoadedScene::NamedView& camera : loaded.cameras) {
+    if (name.empty() || camera.name == name) views.push_back(camera.view);
+    names += (names.empty() ? "" : ", ") + camera.name;
+  }
+  if (views.empty())
+    throw UsageError(loaded.cameras.empty()
+                         ? "--path: the scene has no camera"
+                         : fmt::format("--path: no camera is called '{}'; there are {}", name, names));
+  return views;
+}
+
+CameraPath camera_path(const LoadedScene& loaded, const std::string& name, int frames, const View& prototype) {
+  CameraPath path;
+  const auto sized = [&](View view) {
+    view.width = prototype.width;
+    view.height = prototype.height;
+    return view;
+  };
+  for (const LoadedScene::MovingView& camera : loaded.moving_cameras) {
+    if (!name.empty() && camera.name != name) continue;
+    for (int frame = 0; frame < frames; ++frame) {
+      const double part = frames > 1 ? static_cast<double>(frame) / (frames - 1) : 0.0;
+      path.views.push_back(sized(camera.at(camera.begin + part * (camera.end - camera.begin))));
+    }
+    return path;
+  }
+  const std::vector<View> views = standing_views(loaded, name);
+  for (int frame = 0; frame < frames; ++frame)
+    path.views.push_back(
+        sized(views[static_cast<std::size_t>(frame) * views.size() / static_cast<std::size_t>(frames)]));
+  return path;
+}
+
+}  // namespace
+
+CameraPath open_path(const PathOptions& path, const CameraOptions& options, const LoadedScene& loaded,
+                     std::uint64_t seed) {
+  const std::optional<std::string> camera = wanted_camera(path.path);
+  if (!camera) return open_path(path, options, loaded.scene, seed);
+  return camera_path(loaded, *camera, path.frames, prototype_view(options, loaded.scene));
+}
+
+View single_view(const ViewOptions& options, const LoadedScene& loaded, std::uint64_t seed) {
+  const Scene& scene = loaded.scene;
   if (!options.eye) {
-    const CameraPath path = open_path(options.path, options.camera, scene, seed);
+    const CameraPath path = open_path(options.path, options.camera, loaded, seed);
     if (static_cast<std::size_t>(options.frame) >= path.views.size())
       throw UsageError(fmt::format("--frame: {} is beyond the last frame, {}", options.frame, path.views.size() - 1));
     return path.views[static_cast<std::size_t>(options.frame)];

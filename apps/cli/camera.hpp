@@ -3,6 +3,7 @@
 
 #include "options.hpp"
 #include "sightline/scene/camera_path.hpp"
+#include "sightline/scene/load/load.hpp"
 
 namespace sightline::cli {
 
@@ -18,7 +19,13 @@ void contain_scene(View& view, const CameraOptions& options, const Scene& scene)
 /// file.
 CameraPath open_path(const PathOptions& path, const CameraOptions& options, const Scene& scene, std::uint64_t seed);
 
+/// The same for a scene from a file, whose cameras may be the path: "camera" is the first that the file moves, or all
+/// that stand, one after the other; "camera:NAME" the one of that name. Views keep their lens and planes but not their
+/// size.
+CameraPath open_path(const PathOptions& path, const CameraOptions& options, const LoadedScene& loaded,
+                     std::uint64_t seed);
+
 /// The one view of a verb that takes --eye and --look, or --frame of --path. Throws UsageError or InputError.
-View single_view(const ViewOptions& options, const Scene& scene, std::uint64_t seed);
+View single_view(const ViewOptions& options, const LoadedScene& loaded, std::uint64_t seed);
 
 }  // namespace sightline::cli

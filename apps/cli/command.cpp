@@ -52,7 +52,8 @@ void add_camera(CLI::App& app, CameraOptions& options) {
 }
 
 void add_path(CLI::App& app, PathOptions& options) {
-  app.add_option("--path", options.path, "viewpoints as text or JSON, or 'stress' [a generated walk]")
+  app.add_option("--path", options.path,
+                 "viewpoints as text or JSON; stress; camera or camera:NAME of the scene [a generated walk]")
       ->type_name("FILE");
   add_whole(app, "--frames", "views on the path", options.frames, 1, most_frames);
 }

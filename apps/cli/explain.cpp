@@ -80,11 +80,12 @@ void refuse_doubt(const Explanation& why) {
   throw std::logic_error(fmt::format("the explanation of object {} does not hold: {}", why.object, why.contradiction));
 }
 
-int explain_one(const ExplainOptions& options, const Scene& scene, JsonOutput& output) {
+int explain_one(const ExplainOptions& options, const LoadedScene& loaded, JsonOutput& output) {
+  const Scene& scene = loaded.scene;
   std::optional<OutputFile> picture;
   if (!options.output.empty()) picture.emplace(options.output);
   const ObjectId id = find_object(options.object, scene);
-  const View view = single_view(options.view, scene, options.common.seed);
+  const View view = single_view(options.view, loaded, options.common.seed);
   Witnesses witnesses(options, scene);
   witnesses.look(view);
   const Judgement judgement = witnesses.judge(id);
@@ -141,10 +142,11 @@ void print_tally(const ExplainOptions& options, const Tally& tally) {
   for (const std::string& trouble : tally.trouble) fmt::print("  {}\n", trouble);
 }
 
-int explain_many(const ExplainOptions& options, const Scene& scene, JsonOutput& output) {
+int explain_many(const ExplainOptions& options, const LoadedScene& loaded, JsonOutput& output) {
+  const Scene& scene = loaded.scene;
   catch_interrupts();
   if (scene.objects().empty()) throw InputError(options.scene, "", "has no objects to ask about");
-  const CameraPath path = open_path(options.view.path, options.view.camera, scene, options.common.seed);
+  const CameraPath path = open_path(options.view.path, options.view.camera, loaded, options.common.seed);
   Witnesses witnesses(options, scene);
   Random random(options.common.seed);
   Tally tally;
@@ -183,7 +185,7 @@ int run_explain(const ExplainOptions& options) {
   if (options.random == 0 && options.object.empty()) throw UsageError("--object or --random is needed");
   JsonOutput output(options.common);
   const LoadedScene loaded = open_scene(options.scene, options.common);
-  return options.random > 0 ? explain_many(options, loaded.scene, output) : explain_one(options, loaded.scene, output);
+  return options.random > 0 ? explain_many(options, loaded, output) : explain_one(options, loaded, output);
 }
 
 }  // namespace sightline::cli

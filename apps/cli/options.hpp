@@ -60,7 +60,7 @@ struct CameraOptions {
 
 /// Where the views come from.
 struct PathOptions {
-  std::string path;  // a file, "stress", or empty for a generated walk
+  std::string path;  // a file, "stress", "camera", "camera:NAME", or empty for a generated walk
   int frames = 120;
 };
 

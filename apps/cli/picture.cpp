@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <stdexcept>
 
 #include "heat_picture.hpp"
@@ -101,6 +102,25 @@ Picture paint(const Scene& scene, const View& view, const Frame& frame, Show sho
       for (int channel = 0; channel < 3; ++channel)
         picture.rgb.push_back(static_cast<std::uint8_t>(std::lround(colour[channel] * 255.0f)));
     }
+  return picture;
+}
+
+Picture paint_overdraw(int width, int height, const std::vector<std::uint8_t>& surfaces) {
+  static constexpr glm::vec3 steps[] = {{0.05f, 0.08f, 0.35f}, {0.05f, 0.35f, 0.75f}, {0.10f, 0.70f, 0.45f},
+                                        {0.95f, 0.85f, 0.15f}, {0.90f, 0.25f, 0.10f}, {1.0f, 1.0f, 1.0f}};
+  constexpr float last = static_cast<float>(std::size(steps) - 1);
+  Picture picture{width, height, {}};
+  picture.rgb.reserve(surfaces.size() * 3);
+  for (const std::uint8_t count : surfaces) {
+    glm::vec3 colour(0.0f);
+    if (count > 0) {
+      const float place = std::min(std::log2(static_cast<float>(count)), last);
+      const auto below = static_cast<std::size_t>(std::min(place, last - 1.0f));
+      colour = glm::mix(steps[below], steps[below + 1], place - static_cast<float>(below));
+    }
+    for (int channel = 0; channel < 3; ++channel)
+      picture.rgb.push_back(static_cast<std::uint8_t>(std::lround(colour[channel] * 255.0f)));
+  }
   return picture;
 }
 

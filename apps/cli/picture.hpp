@@ -30,6 +30,10 @@ struct Picture {
 /// `frame` must have been drawn of `scene` from `view`.
 Picture paint(const Scene& scene, const View& view, const Frame& frame, Show show);
 
+/// A heat map of how many surfaces lie over each pixel (Oracle::count_surfaces; rows from the top): black for none,
+/// dark blue for one, then by doublings over green, yellow and red to white for 32 and more.
+Picture paint_overdraw(int width, int height, const std::vector<std::uint8_t>& surfaces);
+
 /// The bytes of a PNG file.
 std::string encode_png(const Picture& picture);
 

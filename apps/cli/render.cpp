@@ -97,7 +97,7 @@ int run_render(const RenderOptions& options) {
   OutputFile picture(options.output);
   JsonOutput output(options.common);
   const LoadedScene loaded = open_scene(options.scene, options.common);
-  const View view = single_view(options.view, loaded.scene, options.common.seed);
+  const View view = single_view(options.view, loaded, options.common.seed);
   Frame frame;
   Progress progress("render", 1, options.common.quiet);
   const Counters counters = draw(options.method, options.show, loaded.scene, view, frame);

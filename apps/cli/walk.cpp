@@ -63,7 +63,7 @@ int run_walk(const WalkOptions& options) {
   if (!options.report.empty()) prepare_report(options.report);
 
   const LoadedScene loaded = open_scene(options.scene, options.common);
-  const CameraPath path = open_path(options.path, options.camera, loaded.scene, options.common.seed);
+  const CameraPath path = open_path(options.path, options.camera, loaded, options.common.seed);
   const IndexedScene indexed = index_scene(loaded.scene);
   std::optional<Oracle> oracle;
   if (options.verify || !options.report.empty()) oracle.emplace(loaded.scene);

@@ -113,7 +113,7 @@ class Walker {
   }
 
  private:
-  WalkAnswer cull(const View& view, Contender& contender, WalkRun& run) const {
+  WalkAnswer cull(const View& view, Contender& contender, WalkRun& run) {
     WalkAnswer answer;
     const auto start = Clock::now();
     contender.culler->cull(view, candidates_, contender.visible, run.counters);
@@ -121,8 +121,16 @@ class Walker {
     answer.visible = contender.visible.count();
     for (const ObjectId id : contender.visible.order())
       answer.triangles_submitted += scene_.mesh_of(id).triangles.size();
-    if (options_.ids) answer.visible_ids = contender.visible.sorted();
+    if (options_.ids || keeps_ids(answer.visible)) answer.visible_ids = contender.visible.sorted();
     return answer;
+  }
+
+  /// The report draws what was reported: its ids are kept, up to a limit on memory.
+  bool keeps_ids(std::size_t count) {
+    constexpr std::size_t most_ids = std::size_t{16} << 20;
+    if (options_.report.empty() || kept_ids_ + count > most_ids) return false;
+    kept_ids_ += count;
+    return true;
   }
 
   static void compare(const Truth& truth, const VisibleSet& visible, WalkAnswer& answer) {
@@ -139,6 +147,7 @@ class Walker {
   VisibleSet candidates_, frustum_;
   std::unique_ptr<Culler> frustum_culler_;
   std::vector<Contender> contenders_;
+  std::size_t kept_ids_ = 0;
 };
 
 std::size_t missed_in(const WalkReport& report, std::size_t frame) {
@@ -165,6 +174,13 @@ std::vector<std::size_t> picture_frames(const WalkReport& report) {
   return worst;
 }
 
+/// What drawing everything that a method reported costs: surfaces over each pixel.
+std::string draw_overdraw(const Scene& scene, const View& view, const WalkAnswer& answer) {
+  VisibleSet reported(scene.objects().size());
+  for (const ObjectId id : answer.visible_ids) reported.insert(id);
+  return encode_png(paint_overdraw(view.width, view.height, Oracle(scene, reported).count_surfaces(view)));
+}
+
 }  // namespace
 
 void walk_frames(const WalkOptions& options, const IndexedScene& indexed, std::span<const View> views,
@@ -186,6 +202,7 @@ void walk_frames(const WalkOptions& options, const IndexedScene& indexed, std::s
 std::vector<WalkPicture> draw_pictures(const WalkReport& report, const Oracle& oracle) {
   constexpr std::pair<Show, const char*> kinds[] = {
       {Show::shaded, "shaded"}, {Show::object, "object"}, {Show::depth, "depth"}};
+  constexpr std::size_t most_overdraws = 3;
   std::vector<WalkPicture> pictures;
   Frame frame;
   for (const std::size_t i : picture_frames(report)) {
@@ -197,6 +214,12 @@ std::vector<WalkPicture> draw_pictures(const WalkReport& report, const Oracle& o
     oracle.draw(view, frame);
     for (const auto& [show, name] : kinds)
       pictures.push_back({report.views[i].frame, name, encode_png(paint(*report.scene, view, frame, show))});
+    for (std::size_t run = 0; run < std::min(report.runs.size(), most_overdraws); ++run) {
+      const WalkAnswer& answer = report.runs[run].answers[i];
+      if (answer.visible_ids.size() != answer.visible) continue;  // not kept
+      const std::string kind = run == 0 ? "overdraw" : "overdraw of " + report.runs[run].method;
+      pictures.push_back({report.views[i].frame, kind, draw_overdraw(*report.scene, view, answer)});
+    }
   }
   return pictures;
 }

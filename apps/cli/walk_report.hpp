@@ -32,7 +32,7 @@ struct WalkAnswer {
   std::size_t extra = 0;                  // reported but not seen
   double cull_ms = 0.0;                   // cull() alone
   std::uint64_t triangles_submitted = 0;  // triangles of the objects reported
-  std::vector<ObjectId> visible_ids;      // ascending; only with --ids
+  std::vector<ObjectId> visible_ids;      // ascending; only with --ids, or for the pictures of a report
   std::vector<std::uint8_t> state;        // one ObjectState per object; only of frames that the report shows
 };
 
@@ -50,7 +50,7 @@ struct WalkRun {
 /// A picture of a frame, for the report.
 struct WalkPicture {
   std::size_t frame = 0;
-  std::string kind;  // "shaded", "object", "depth"
+  std::string kind;  // "shaded", "object", "depth", "overdraw" (of the first method), "overdraw of METHOD"
   std::string png;   // the bytes of the file
 };
 

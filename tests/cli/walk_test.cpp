@@ -284,7 +284,10 @@ TEST_F(Walk, ReportIsOnePageWithTheData) {
   const auto base64_length = [](std::size_t bytes) { return (bytes + 2) / 3 * 4; };
   EXPECT_EQ(report.at("objects").at("bounds").get<std::string>().size(), base64_length(objects * 24));
   EXPECT_EQ(report.at("frames")[0].at("state").get<std::string>().size(), base64_length(objects));
-  EXPECT_EQ(report.at("pictures").size(), 9u);  // three frames, three kinds
+  EXPECT_EQ(report.at("pictures").size(), 15u);  // three frames; three kinds and the overdraw of two methods
+  EXPECT_EQ(report.at("pictures")[3].at("kind"), "overdraw");
+  EXPECT_EQ(report.at("pictures")[4].at("kind"), "overdraw of none");
+  EXPECT_NE(report.at("command").get<std::string>().find("--size 64x36"), std::string::npos);
   EXPECT_EQ(report.at("pictures")[0].at("png").get<std::string>().substr(0, 8), "iVBORw0K");
 }
 

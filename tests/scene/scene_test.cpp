@@ -2,6 +2,10 @@
 #include "sightline/scene/scene.hpp"
 
 #include <gtest/gtest.h>
+#include <malloc.h>
+
+#include <cstdio>
+#include <string>
 
 #include <functional>
 #include <limits>
@@ -183,6 +187,28 @@ TEST(Scene, RefusesWhatLiesBeyondAllReach) {
   SceneBuilder builder;
   builder.add_object(builder.add_mesh(shapes::cube()), moved(1e14f, 0, 0));
   EXPECT_NO_THROW(builder.build());
+}
+
+/// Of the objects, their names and sources, beside the shared meshes; what the heap says, not what we count.
+TEST(SceneMemory, AMillionObjectsTakeAtMost200BytesEach) {
+  constexpr std::uint32_t count = 1'100'000;  // just above a power of two, where growing arrays are half empty
+  const auto allocated = [] {
+    const struct mallinfo2 info = mallinfo2();
+    return info.uordblks + info.hblkhd;
+  };
+  const std::size_t before = allocated();
+  SceneBuilder builder;
+  const MeshId mesh = builder.add_mesh(shapes::cube());
+  for (std::uint32_t i = 0; i < count; ++i)
+    builder.add_object(mesh, identity_affine(), "object " + std::to_string(i), {static_cast<std::int32_t>(i), 0});
+  const Scene scene = builder.build();
+  const std::size_t after = allocated();
+  if (after == before) GTEST_SKIP() << "SKIPPED: this heap does not say what is allocated";
+  const double bytes = static_cast<double>(after - before) / count;
+  EXPECT_LE(bytes, 200.0);
+  EXPECT_GE(bytes, sizeof(Object)) << "the measurement does not measure";
+  RecordProperty("bytes_per_object", std::to_string(bytes));
+  std::printf("%.1f bytes for each object\n", bytes);
 }
 
 }  // namespace

@@ -4,6 +4,8 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
+#include <span>
 #include <tuple>
 
 #include "properties.hpp"
@@ -38,6 +40,33 @@ TEST(Topology, NegativeZeroIsZero) {
     for (int axis = 0; axis < 3; ++axis)
       if (mesh.positions[i][axis] == 0.0f) mesh.positions[i][axis] = -0.0f;
   EXPECT_TRUE(is_closed(topology_of(mesh)));
+}
+
+TEST(Topology, ClosednessNeedsNoTopology) {
+  Mesh mesh = shapes::split_vertices(shapes::cube());
+  EXPECT_TRUE(is_closed(mesh.positions, mesh.triangles));
+  EXPECT_FALSE(is_closed(mesh.positions, std::span(mesh.triangles).first(11)));
+  std::swap(mesh.triangles[5].y, mesh.triangles[5].z);
+  EXPECT_FALSE(is_closed(mesh.positions, mesh.triangles));
+  EXPECT_FALSE(is_closed({}, {}));
+}
+
+/// More edges at one vertex than are sorted by insertion.
+TEST(Topology, DoublePyramidOverManyCornersIsClosed) {
+  Mesh mesh;
+  constexpr std::uint32_t corners = 5000;
+  mesh.positions = {{0, 1, 0}, {0, -1, 0}};
+  for (std::uint32_t i = 0; i < corners; ++i) {
+    const float angle = 6.2831853f * static_cast<float>(i) / corners;
+    mesh.positions.emplace_back(std::cos(angle), 0, std::sin(angle));
+    const std::uint32_t a = 2 + i, b = 2 + (i + 1) % corners;
+    mesh.triangles.push_back({0, b, a});
+    mesh.triangles.push_back({1, a, b});
+  }
+  EXPECT_TRUE(is_closed(mesh.positions, mesh.triangles));
+  EXPECT_EQ(topology_of(mesh).edges.size(), 3 * corners);
+  mesh.triangles.pop_back();
+  EXPECT_FALSE(is_closed(mesh.positions, mesh.triangles));
 }
 
 TEST(Topology, CubeWithoutOneTriangleIsOpen) {
@@ -117,6 +146,7 @@ RC_GTEST_PROP(TopologyProperty, EveryEdgeIsCountedWhereItIs, ()) {
         {*rc::gen::inRange(0, vertices), *rc::gen::inRange(0, vertices), *rc::gen::inRange(0, vertices)});
   const Topology topology = topology_of(mesh);
 
+  RC_ASSERT(is_closed(mesh.positions, mesh.triangles) == is_closed(topology));
   RC_ASSERT(topology.welded.size() == mesh.positions.size());
   for (std::uint32_t i = 0; i < mesh.positions.size(); ++i) {
     RC_ASSERT(topology.welded[i] <= i);

@@ -3,9 +3,17 @@
 #include <assimp/scene.h>
 
 #include <assimp/Exporter.hpp>
+#include <csignal>
+#include <cstdlib>
+#include <fstream>
+#include <functional>
+#include <iterator>
+#include <new>
+#include <stdexcept>
 
 #include "scene_load/fbx_fixture.hpp"
 #include "scene_load/glb_fixture.hpp"
+#include "sightline/scene/load/child_process.hpp"
 #include "sightline/scene/load/load.hpp"
 
 namespace sightline::test {
@@ -227,6 +235,89 @@ TEST(Assimp, WhatIsNotUsedIsSaid) {
   const std::vector<std::string> expected = {"1 animations are not used", "1 lights are not used",
                                              "1 cameras are not used"};
   EXPECT_EQ(load_scene(file).warnings, expected);
+}
+
+/// A scene or an error of one line about this file; never anything else.
+void expect_scene_or_one_line(const std::string& bytes, const std::string& name, const std::string& what) {
+  const ScratchFolder folder;
+  const std::filesystem::path file = folder.write(name, bytes);
+  try {
+    load_scene(file);
+  } catch (const InputError& error) {
+    EXPECT_EQ(error.file(), file.string()) << what;
+    EXPECT_FALSE(error.reason().empty()) << what;
+    EXPECT_EQ(std::string(error.what()).find('\n'), std::string::npos) << what;
+  }
+}
+
+std::string exported(const char* format, const std::string& name) {
+  const ScratchFolder folder;
+  const std::filesystem::path file = folder.path() / name;
+  Assimp::Exporter exporter;
+  EXPECT_EQ(exporter.Export(two_tetrahedra().get(), format, file.string()), aiReturn_SUCCESS);
+  std::ifstream stream(file, std::ios::binary);
+  return {std::istreambuf_iterator<char>(stream), {}};
+}
+
+TEST(Assimp, FilesCutOffOrChangedAnywhereAreScenesOrErrors) {
+  const std::string mesh = chunk_3ds(0x4110, counted_3ds<float>(3, {0, 0, 0, 1, 0, 0, 0, 2, 3})) +
+                           chunk_3ds(0x4120, counted_3ds<std::uint16_t>(1, {0, 1, 2, 7}));
+  const std::string three_ds =
+      chunk_3ds(0x4D4D, chunk_3ds(0x3D3D, chunk_3ds(0x4000, std::string("wall\0", 5) + chunk_3ds(0x4100, mesh))));
+  const std::vector<std::pair<std::string, std::string>> files = {
+      {"a.ply", exported("ply", "a.ply")},
+      {"b.ply", exported("plyb", "b.ply")},
+      {"a.stl", exported("stl", "a.stl")},
+      {"b.stl", exported("stlb", "b.stl")},
+      {"a.dae", exported("collada", "a.dae")},
+      {"a.fbx", FbxBinary(fbx_tetrahedron(false, 100.0)).bytes()},
+      {"b.fbx", fbx_text(fbx_tetrahedron(false, 100.0))},
+      {"a.3ds", three_ds},
+      {"a.ifc", ifc_box}};
+  constexpr std::size_t points = 16;
+  for (const auto& [name, whole] : files) {
+    for (std::size_t i = 0; i < points; ++i) {
+      const std::size_t at = whole.size() * i / points;
+      expect_scene_or_one_line(whole.substr(0, at), name, name + " cut at " + std::to_string(at));
+      for (const char wrong : {'\0', '\xff', '9'}) {
+        std::string changed = whole;
+        changed[at] = wrong;
+        expect_scene_or_one_line(changed, name, name + " changed at " + std::to_string(at));
+      }
+    }
+  }
+}
+
+TEST(Assimp, NumbersThatAreNoneAreInputErrors) {
+  const auto ply = [](const std::string& number) {
+    return "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n"
+           "element face 1\nproperty list uchar int vertex_indices\nend_header\n0 0 0\n1 0 " +
+           number + "\n0 1 0\n3 0 1 2\n";
+  };
+  EXPECT_EQ(load_error(ply("0"), "a.ply"), "no error");
+  EXPECT_NE(load_error(ply("nan"), "a.ply"), "no error");
+  EXPECT_NE(load_error(ply("inf"), "a.ply"), "no error");
+  EXPECT_NE(load_error(ply("1e30"), "a.ply"), "no error");
+}
+
+TEST(ChildProcess, WhateverHappensEndsAsBytesOrAnError) {
+  const ScratchFolder folder;
+  const std::filesystem::path file = folder.write("x", "x");
+  const auto error_of = [&](const std::function<void(ByteSink&)>& work) -> std::string {
+    try {
+      run_in_child(file, work);
+    } catch (const InputError& error) {
+      return error.reason();
+    }
+    return "no error";
+  };
+  const std::string large(300000, 'a');
+  EXPECT_EQ(run_in_child(file, [&](ByteSink& sink) { sink.write(large.data(), large.size()); }).size(), large.size());
+  EXPECT_EQ(error_of([](ByteSink&) { throw std::runtime_error("two\nlines"); }), "two lines");
+  EXPECT_EQ(error_of([](ByteSink&) { throw std::bad_alloc(); }), "needs more memory than there is");
+  EXPECT_EQ(error_of([](ByteSink&) { std::abort(); }), "is broken in a way that its reader does not survive");
+  EXPECT_EQ(error_of([](ByteSink&) { raise(SIGSEGV); }), "is broken in a way that its reader does not survive");
+  EXPECT_EQ(error_of([](ByteSink&) { raise(SIGXCPU); }), "takes too long to read");
 }
 
 TEST(Assimp, BrokenFilesAreInputErrors) {

@@ -141,6 +141,94 @@ TEST(GltfInstancing, EveryInstanceIsAnObject) {
   EXPECT_EQ(load_error(fixture.glb()), "nodes[0].extensions.EXT_mesh_gpu_instancing.attributes: counts differ");
 }
 
+/// The square with a camera below a cart: nodes 0 (square), 1 (cart) and 2 (camera, looks along -z).
+GlbFixture with_camera() {
+  GlbFixture fixture = GlbFixture::square();
+  fixture.json["cameras"] = {{{"type", "perspective"}, {"perspective", {{"yfov", 0.5}, {"znear", 0.25}}}}};
+  fixture.add_node({{"mesh", 0}});
+  fixture.add_node({{"children", {2}}, {"translation", {7, 7, 7}}});
+  fixture.add_node({{"name", "eye"}, {"camera", 0}, {"translation", {0, 1, 0}}});
+  fixture.json["scenes"] = {{{"nodes", {0, 1}}}};
+  return fixture;
+}
+
+/// A channel that moves `path` of `node` through `values` at `times`.
+void animate(GlbFixture& fixture, std::size_t node, const std::string& path, const std::string& interpolation,
+             const std::vector<float>& times, const std::vector<float>& values) {
+  const std::size_t components = path == "rotation" ? 4 : 3;
+  const std::size_t input = fixture.add_accessor(fixture.add_view(std::span(times)), 5126, "SCALAR", times.size());
+  const std::size_t output = fixture.add_accessor(fixture.add_view(std::span(values)), 5126,
+                                                  components == 4 ? "VEC4" : "VEC3", values.size() / components);
+  nlohmann::json& animation = fixture.json["animations"][0];
+  animation["samplers"].push_back({{"input", input}, {"output", output}, {"interpolation", interpolation}});
+  animation["channels"].push_back(
+      {{"sampler", animation["samplers"].size() - 1}, {"target", {{"node", node}, {"path", path}}}});
+}
+
+TEST(GltfCameras, MoveByTheirAnimation) {
+  GlbFixture fixture = with_camera();
+  const float half = std::sqrt(0.5f);
+  animate(fixture, 1, "translation", "LINEAR", {1, 3}, {0, 0, 0, 10, 0, -4});
+  animate(fixture, 2, "rotation", "LINEAR", {1, 5}, {0, 0, 0, 1, 0, half, 0, half});  // to look along -x
+  const LoadedScene loaded = load_bytes(fixture.glb());
+  EXPECT_TRUE(loaded.warnings.empty()) << loaded.warnings[0];
+  ASSERT_EQ(loaded.moving_cameras.size(), 1u);
+  const LoadedScene::MovingView& camera = loaded.moving_cameras[0];
+  EXPECT_EQ(camera.name, "eye");
+  EXPECT_EQ(camera.begin, 1.0);
+  EXPECT_EQ(camera.end, 5.0);
+  EXPECT_LT(glm::distance(camera.at(0).eye, glm::dvec3(0, 1, 0)), 1e-6) << "held before the first key";
+  EXPECT_LT(glm::distance(camera.at(2).eye, glm::dvec3(5, 1, -2)), 1e-6);
+  EXPECT_LT(glm::distance(camera.at(9).eye, glm::dvec3(10, 1, -4)), 1e-6);
+  EXPECT_LT(glm::distance(view_direction(camera.at(1)), glm::dvec3(0, 0, -1)), 1e-6);
+  EXPECT_LT(glm::distance(view_direction(camera.at(3)), glm::dvec3(-half, 0, -half)), 1e-6);
+  EXPECT_LT(glm::distance(view_direction(camera.at(5)), glm::dvec3(-1, 0, 0)), 1e-6);
+  EXPECT_EQ(camera.at(2).fov_y, 0.5);
+  EXPECT_EQ(loaded.cameras[0].view.eye, glm::dvec3(7, 8, 7)) << "the standing camera is as modelled";
+}
+
+TEST(GltfCameras, CubicAndStepTracks) {
+  GlbFixture fixture = with_camera();
+  // Tangents of 0: the way is 3 t^2 - 2 t^3.
+  animate(fixture, 1, "translation", "CUBICSPLINE", {0, 2}, {0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 8, 0, 0, 0, 0, 0});
+  animate(fixture, 2, "translation", "STEP", {0, 1}, {0, 0, 0, 0, 5, 0});
+  const LoadedScene loaded = load_bytes(fixture.glb());
+  ASSERT_EQ(loaded.moving_cameras.size(), 1u);
+  const auto& at = loaded.moving_cameras[0].at;
+  EXPECT_LT(glm::distance(at(0.5).eye, glm::dvec3(8 * 0.15625, 0, 0)), 1e-6);
+  EXPECT_LT(glm::distance(at(0.99).eye, glm::dvec3(at(0.99).eye.x, 0, 0)), 1e-6);
+  EXPECT_LT(glm::distance(at(1).eye, glm::dvec3(4, 5, 0)), 1e-6);
+  // What moves no camera is said.
+  animate(fixture, 0, "translation", "LINEAR", {0, 1}, {0, 0, 0, 1, 1, 1});
+  EXPECT_EQ(load_bytes(fixture.glb()).warnings,
+            std::vector<std::string>{"of the animations only what moves cameras is used"});
+}
+
+TEST(GltfCameras, BrokenAnimationsAreInputErrors) {
+  const auto error_with = [](const std::function<void(nlohmann::json&)>& change) {
+    GlbFixture fixture = with_camera();
+    animate(fixture, 1, "translation", "LINEAR", {1, 3}, {0, 0, 0, 10, 0, -4});
+    change(fixture.json);
+    return load_error(fixture.glb());
+  };
+  EXPECT_EQ(error_with([](nlohmann::json&) {}), "no error");
+  EXPECT_EQ(error_with([](nlohmann::json& j) { j["animations"][0]["samplers"][0]["interpolation"] = "CUBICSPLINE"; }),
+            "animations[0].samplers[0].output: has not as many elements as there are times");
+  EXPECT_EQ(error_with([](nlohmann::json& j) { j["animations"][0]["samplers"][0]["interpolation"] = "MAGIC"; }),
+            "animations[0].samplers[0].interpolation: 'MAGIC' is none of LINEAR, STEP, CUBICSPLINE");
+  EXPECT_NE(error_with([](nlohmann::json& j) { j["animations"][0]["channels"][0]["sampler"] = 9; }), "no error");
+  EXPECT_NE(error_with([](nlohmann::json& j) { j["animations"][0]["channels"][0].erase("target"); }), "no error");
+  EXPECT_NE(error_with([](nlohmann::json& j) { j["animations"][0]["samplers"][0].erase("input"); }), "no error");
+  EXPECT_EQ(error_with([](nlohmann::json& j) {
+              j["nodes"][1].erase("translation");
+              j["nodes"][1]["matrix"] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1};
+            }),
+            "nodes[1].matrix: an animated node must have translation, rotation and scale instead");
+  GlbFixture backwards = with_camera();
+  animate(backwards, 1, "translation", "LINEAR", {3, 1}, {0, 0, 0, 10, 0, -4});
+  EXPECT_EQ(load_error(backwards.glb()), "animations[0].samplers[0].input: the times do not ascend");
+}
+
 TEST(GltfCameras, ArriveInWorldSpace) {
   GlbFixture fixture = GlbFixture::square();
   fixture.json["cameras"] = {{{"type", "perspective"},

@@ -17,6 +17,7 @@ export function pictures(walk: Walk, store: Store): HTMLElement {
   const kinds = [...new Set([...Object.keys(KINDS), ...walk.pictures.map((picture) => picture.kind)])]
     .filter((kind) => walk.pictures.some((picture) => picture.kind === kind));
   const strip = element('div', { class: 'strip' });
+  const note = element('p', { class: 'absent' });
   const large = new Large(walk, store);
   const name = (index: number) => walk.frame(0, index)?.frame ?? index;
   let items: { frame: number; item: HTMLElement }[] = [];
@@ -26,6 +27,8 @@ export function pictures(walk: Walk, store: Store): HTMLElement {
       return { frame: picture.frame, item: element('button', { type: 'button', class: 'thumb', onclick: () => large.open(picture) },
         element('img', { src: source(picture), alt: `${kind_name(kind)}, ${caption}`, decoding: 'async', style: walk.size && `aspect-ratio: ${walk.size[0]} / ${walk.size[1]}` }), element('span', {}, caption)) };
     });
+    note.textContent = kind.startsWith('overdraw')
+      ? 'How many surfaces of what the method reported lie over each pixel: dark blue 1, blue 2, green 4, yellow 8, red 16, white 32 and more.' : '';
     strip.replaceChildren(...items.map(({ item }) => item));
     mark();
   };
@@ -35,7 +38,7 @@ export function pictures(walk: Walk, store: Store): HTMLElement {
     for (const { frame, item } of items) item.classList.toggle('near', Math.abs(frame - now) === nearest);
   };
   const selector = choice('Kind of picture', kinds.map((kind) => ({ value: kind, text: kind_name(kind) })), kinds[0], show);
-  root.append(element('div', { class: 'bar' }, title, selector.root), strip, large.dialog);
+  root.append(element('div', { class: 'bar' }, title, selector.root), strip, note, large.dialog);
   show(kinds[0]);
   store.on(['frame'], mark);
   return root;

@@ -106,7 +106,7 @@ Scene SceneBuilder::build() {
       drop_unused_vertices(mesh);
       mesh.bounds = {};
       for (const glm::vec3& p : mesh.positions) mesh.bounds.extend(p);
-      mesh.closed = is_closed(build_topology(mesh.positions, mesh.triangles));
+      mesh.closed = is_closed(mesh.positions, mesh.triangles);
     }
   });
   parallel_blocks(scene_.objects_.size(), 64, [&](std::size_t begin, std::size_t end) {
@@ -124,6 +124,14 @@ Scene SceneBuilder::build() {
     scene_.bounds_.extend(object.bounds);
     scene_.triangle_count_ += scene_.meshes_[object.mesh].triangles.size();
   }
+  // Growing arrays leave up to as much again unused; a million objects are to stay small.
+  const auto shrink = [](auto& array) {
+    if (array.capacity() > array.size() + array.size() / 8) array.shrink_to_fit();
+  };
+  shrink(scene_.objects_);
+  shrink(scene_.sources_);
+  shrink(scene_.names_);
+  shrink(scene_.name_ends_);
   Scene finished = std::move(scene_);
   scene_ = Scene();
   return finished;

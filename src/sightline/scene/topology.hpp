@@ -31,11 +31,13 @@ struct Topology {
   std::vector<glm::uvec3> triangle_edges;
 };
 
-/// O(n log n) in the number of triangles; indices must lie within positions.
+/// O(n) in the number of triangles, save where very many meet at a vertex; indices must lie within positions.
 Topology build_topology(std::span<const glm::vec3> positions, std::span<const glm::uvec3> triangles);
 
 /// True iff at least one edge exists and every edge joins exactly two triangles that run it in opposite directions:
 /// a closed, consistently oriented surface. Such a mesh never shows a back face to an eye outside of it.
 bool is_closed(const Topology& topology);
+/// The same for a mesh, without building its topology.
+bool is_closed(std::span<const glm::vec3> positions, std::span<const glm::uvec3> triangles);
 
 }  // namespace sightline

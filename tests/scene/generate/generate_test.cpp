@@ -184,5 +184,17 @@ TEST(Soup, HoldsWhatTestsNeed) {
   }
 }
 
+TEST(Generate, EveryKindReachesTenMillionTrianglesAndAHundredThousandObjects) {
+  for (const Generator& generator : generators()) {
+    GenerateConfig config;
+    config.objects = 100'000;
+    config.triangles = 10'000'000;
+    const Scene scene = generator.make(config);
+    EXPECT_GE(scene.objects().size(), config.objects) << generator.name;
+    EXPECT_GE(scene.triangle_count(), config.triangles) << generator.name;
+    EXPECT_LE(scene.triangle_count(), config.triangles + config.triangles / 20) << generator.name;
+  }
+}
+
 }  // namespace
 }  // namespace sightline

@@ -1,6 +1,7 @@
 // PLY, STL, DAE, FBX, 3DS and IFC into a scene by the Open Asset Import Library; an object is a mesh of a node.
 // Promise: nothing that the file has and we drop goes unsaid; lengths are metres and Y is up where the format tells
-// units and axes; its exceptions and messages become one InputError.
+// units and axes; whatever the library does with a broken file, crash included, becomes one InputError: it runs in a
+// process of its own, which hands over plain data.
 #include <assimp/config.h>
 #include <assimp/material.h>
 #include <assimp/postprocess.h>
@@ -9,13 +10,17 @@
 #include <array>
 #include <assimp/Importer.hpp>
 #include <cstdlib>
-#include <exception>
+#include <cstring>
 #include <optional>
+#include <span>
+#include <stdexcept>
 #include <string>
+#include <type_traits>
 #include <utility>
 #include <vector>
 
 #include "sightline/scene/input_error.hpp"
+#include "sightline/scene/load/child_process.hpp"
 #include "sightline/scene/load/readers.hpp"
 
 namespace sightline {
@@ -75,16 +80,76 @@ Mesh convert(const aiMesh& source, std::size_t index) {
   return mesh;
 }
 
+/// The plain data that go from the child to its parent: numbers as they lie in memory, arrays after their lengths.
+class Writer {
+ public:
+  explicit Writer(ByteSink& sink) : sink_(sink) {}
+
+  template <class T>
+  void value(const T& number) {
+    static_assert(std::is_trivially_copyable_v<T>);
+    sink_.write(&number, sizeof number);
+  }
+  template <class T>
+  void array(const T* first, std::size_t count) {
+    value(std::uint64_t{count});
+    if (count > 0) sink_.write(first, count * sizeof(T));
+  }
+  void text(const std::string& text) { array(text.data(), text.size()); }
+
+ private:
+  ByteSink& sink_;
+};
+
+/// Throws InputError where the data end early: the child may have broken its own memory.
+class Reader {
+ public:
+  explicit Reader(std::span<const std::byte> bytes) : bytes_(bytes) {}
+
+  template <class T>
+  T value() {
+    T number{};
+    std::memcpy(&number, take(sizeof number), sizeof number);
+    return number;
+  }
+  template <class T>
+  std::vector<T> array() {
+    const auto count = value<std::uint64_t>();
+    if (count > bytes_.size() / sizeof(T)) throw InputError(damaged);
+    std::vector<T> elements(static_cast<std::size_t>(count));
+    if (count > 0) std::memcpy(elements.data(), take(elements.size() * sizeof(T)), elements.size() * sizeof(T));
+    return elements;
+  }
+  std::string text() {
+    const std::vector<char> letters = array<char>();
+    return {letters.begin(), letters.end()};
+  }
+
+ private:
+  static constexpr const char* damaged = "is broken in a way that its reader does not survive";
+  const std::byte* take(std::size_t count) {
+    if (count > bytes_.size()) throw InputError(damaged);
+    const std::byte* begin = bytes_.data();
+    bytes_ = bytes_.subspan(count);
+    return begin;
+  }
+  std::span<const std::byte> bytes_;
+};
+
+enum : std::uint8_t { record_end, record_mesh, record_object, record_warning };
+
+/// Runs in the child.
 class AssimpReader {
  public:
-  explicit AssimpReader(const aiScene& scene) : scene_(scene), ids_(scene.mNumMeshes) {}
+  AssimpReader(const aiScene& scene, ByteSink& sink) : scene_(scene), writer_(sink), ids_(scene.mNumMeshes) {}
 
-  LoadedScene read() {
+  void read() {
     walk();
-    LoadedScene loaded;
-    loaded.scene = builder_.build();
-    loaded.warnings = warnings();
-    return loaded;
+    for (const std::string& warning : warnings()) {
+      writer_.value(record_warning);
+      writer_.text(warning);
+    }
+    writer_.value(record_end);
   }
 
  private:
@@ -112,12 +177,23 @@ class AssimpReader {
       ++left_out_;
       return;
     }
-    if (!ids_[index]) ids_[index] = builder_.add_mesh(convert(mesh, index));
+    if (!ids_[index]) {
+      ids_[index] = meshes_++;
+      const Mesh converted = convert(mesh, index);
+      writer_.value(record_mesh);
+      writer_.text(converted.name);
+      writer_.array(converted.positions.data(), converted.positions.size());
+      writer_.array(converted.triangles.data(), converted.triangles.size());
+    }
     std::string name = one_line(node.mName.C_Str());
     if (name.empty()) name = one_line(mesh.mName.C_Str());
     if (name.empty()) name = "node " + std::to_string(number);
-    builder_.add_object(*ids_[index], to_affine(world), name, {number, static_cast<std::int32_t>(part)},
-                        is_opaque(scene_, mesh));
+    writer_.value(record_object);
+    writer_.value(*ids_[index]);
+    writer_.value(to_affine(world));
+    writer_.text(name);
+    writer_.value(Source{number, static_cast<std::int32_t>(part)});
+    writer_.value(std::uint8_t{is_opaque(scene_, mesh)});
   }
 
   [[nodiscard]] std::vector<std::string> warnings() const {
@@ -141,28 +217,57 @@ class AssimpReader {
   }
 
   const aiScene& scene_;
-  SceneBuilder builder_;
+  Writer writer_;
   std::vector<std::optional<MeshId>> ids_;
+  MeshId meshes_ = 0;
   std::size_t left_out_ = 0;
 };
+
+void import(const std::filesystem::path& file, ByteSink& sink) {
+  Assimp::Importer importer;
+  importer.SetPropertyInteger(AI_CONFIG_PP_RVC_FLAGS, surface_data);
+  const aiScene* scene = importer.ReadFile(file.string(), steps);
+  if (scene == nullptr) throw std::runtime_error(one_line(importer.GetErrorString()));
+  if (scene->mRootNode == nullptr || (scene->mFlags & AI_SCENE_FLAGS_INCOMPLETE) != 0) {
+    throw std::runtime_error("has no meshes");
+  }
+  AssimpReader(*scene, sink).read();
+}
+
+LoadedScene assemble(Reader reader) {
+  SceneBuilder builder;
+  LoadedScene loaded;
+  for (auto record = reader.value<std::uint8_t>(); record != record_end; record = reader.value<std::uint8_t>()) {
+    if (record == record_mesh) {
+      Mesh mesh;
+      mesh.name = reader.text();
+      mesh.positions = reader.array<glm::vec3>();
+      mesh.triangles = reader.array<glm::uvec3>();
+      builder.add_mesh(std::move(mesh));
+    } else if (record == record_object) {
+      const auto mesh = reader.value<MeshId>();
+      const auto transform = reader.value<Affine>();
+      const std::string name = reader.text();
+      const auto source = reader.value<Source>();
+      builder.add_object(mesh, transform, name, source, reader.value<std::uint8_t>() != 0);
+    } else {
+      loaded.warnings.push_back(reader.text());
+    }
+  }
+  loaded.scene = builder.build();
+  return loaded;
+}
 
 }  // namespace
 
 LoadedScene read_with_assimp(const std::filesystem::path& file) {
   if (read_file(file, 1).empty()) throw InputError(file.string(), "", "is empty");
-  Assimp::Importer importer;
-  importer.SetPropertyInteger(AI_CONFIG_PP_RVC_FLAGS, surface_data);
-  const aiScene* scene = nullptr;
+  const Bytes bytes = run_in_child(file, [&](ByteSink& sink) { import(file, sink); });
   try {
-    scene = importer.ReadFile(file.string(), steps);
-  } catch (const std::exception& error) {
-    throw InputError(file.string(), "", one_line(error.what()));
+    return assemble(Reader(bytes));
+  } catch (const InputError& error) {
+    throw InputError(file.string(), error.position(), error.reason());
   }
-  if (scene == nullptr) throw InputError(file.string(), "", one_line(importer.GetErrorString()));
-  if (scene->mRootNode == nullptr || (scene->mFlags & AI_SCENE_FLAGS_INCOMPLETE) != 0) {
-    throw InputError(file.string(), "", "has no meshes");
-  }
-  return AssimpReader(*scene).read();
 }
 
 }  // namespace sightline

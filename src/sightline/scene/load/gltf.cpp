@@ -3,9 +3,14 @@
 // Source: glTF 2.0 specification, section 3.5.3 (transformations).
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <map>
+#include <memory>
+#include <set>
 #include <string>
 
 #include "sightline/scene/input_error.hpp"
+#include "sightline/scene/load/gltf_animation.hpp"
 #include "sightline/scene/load/gltf_document.hpp"
 #include "sightline/scene/load/gltf_mesh.hpp"
 #include "sightline/scene/load/gltf_node.hpp"
@@ -27,11 +32,13 @@ class GltfReader {
   LoadedScene read() {
     check_object_count();
     walk(roots());
+    move_cameras();
     warn_of_unused();
     LoadedScene loaded;
     loaded.scene = builder_.build();
     loaded.warnings = document_.warnings();
     loaded.cameras = std::move(cameras_);
+    loaded.moving_cameras = std::move(moving_cameras_);
     return loaded;
   }
 
@@ -75,6 +82,7 @@ class GltfReader {
   /// Depth first, children in their order, without recursion.
   void walk(const std::vector<std::size_t>& roots) {
     std::vector<Visit> pending;
+    parents_.assign(visited_.size(), no_node);
     const auto push = [&](const std::vector<std::size_t>& nodes, const glm::dmat4& parent) {
       for (auto node = nodes.rbegin(); node != nodes.rend(); ++node) pending.push_back({*node, parent});
     };
@@ -88,7 +96,9 @@ class GltfReader {
       const glm::dmat4 world = visit.parent * node_matrix(node);
       add_objects(node, visit.node, world);
       add_camera(node, visit.node, world);
-      push(node.references("children", visited_.size()), world);
+      const std::vector<std::size_t> children = node.references("children", visited_.size());
+      for (const std::size_t child : children) parents_[child] = visit.node;
+      push(children, world);
     }
   }
 
@@ -125,6 +135,42 @@ class GltfReader {
     if (name.empty()) name = camera.text("name");
     if (name.empty()) name = "node " + std::to_string(index);
     cameras_.push_back({name, camera_view(camera, world)});
+    camera_nodes_.push_back(index);
+  }
+
+  /// Cameras whose node, or one above it, is animated.
+  void move_cameras() {
+    if (document_.count("animations") == 0 || cameras_.empty()) return;
+    std::size_t channels = 0;
+    const std::map<std::size_t, GltfMotion> motions = read_motions(document_, channels);
+    std::set<std::size_t> used;
+    for (std::size_t i = 0; i < cameras_.size(); ++i) move_camera(i, motions, used);
+    animations_used_ = !used.empty();
+    animations_all_used_ = used.size() == motions.size();
+  }
+
+  void move_camera(std::size_t camera, const std::map<std::size_t, GltfMotion>& motions, std::set<std::size_t>& used) {
+    auto chain = std::make_shared<std::vector<GltfLink>>();
+    double begin = std::numeric_limits<double>::infinity(), end = -begin;
+    for (std::size_t node = camera_nodes_[camera]; node != no_node; node = parents_[node]) {
+      const auto motion = motions.find(node);
+      chain->push_back(read_link(document_.item("nodes", node), motion == motions.end() ? nullptr : &motion->second));
+      if (!chain->back().motion.moves()) continue;
+      used.insert(node);
+      for (const auto* track : {&motion->second.translation, &motion->second.rotation, &motion->second.scale}) {
+        if (!*track) continue;
+        begin = std::min(begin, static_cast<double>((*track)->times.front()));
+        end = std::max(end, static_cast<double>((*track)->times.back()));
+      }
+    }
+    if (!(begin <= end)) return;
+    std::reverse(chain->begin(), chain->end());
+    const auto at = [chain, lens = cameras_[camera].view](double seconds) {
+      glm::dmat4 world(1.0);
+      for (const GltfLink& link : *chain) world = world * link.at(seconds);
+      return moved_view(lens, world);
+    };
+    moving_cameras_.push_back({cameras_[camera].name, begin, end, at});
   }
 
   std::string object_name(const JsonObject& node, std::size_t index, std::size_t mesh) const {
@@ -136,6 +182,10 @@ class GltfReader {
   void warn_of_unused() {
     for (const std::string_view list : {"animations", "skins"}) {
       const std::size_t count = document_.count(list);
+      if (list == "animations" && animations_used_) {
+        if (!animations_all_used_) document_.warn("of the animations only what moves cameras is used");
+        continue;
+      }
       if (count > 0) document_.warn(std::to_string(count) + " " + std::string(list) + " are not used");
     }
   }
@@ -146,6 +196,11 @@ class GltfReader {
   std::vector<bool> visited_;
   std::uint64_t name_bytes_ = 0;
   std::vector<LoadedScene::NamedView> cameras_;
+  static constexpr std::size_t no_node = static_cast<std::size_t>(-1);
+  std::vector<std::size_t> parents_;       // of every node that was reached
+  std::vector<std::size_t> camera_nodes_;  // parallel to cameras_
+  std::vector<LoadedScene::MovingView> moving_cameras_;
+  bool animations_used_ = false, animations_all_used_ = false;
 };
 
 }  // namespace

@@ -98,6 +98,15 @@ std::vector<glm::dmat4> instance_matrices(GltfDocument& document, const JsonObje
   return matrices;
 }
 
+View moved_view(const View& lens, const glm::dmat4& world) {
+  const View pose = look_along(glm::dvec3(world[3]), -glm::dvec3(world[2]), glm::dvec3(world[1]));
+  View view = lens;
+  view.eye = pose.eye;
+  view.orientation = pose.orientation;
+  check_view(view);
+  return view;
+}
+
 View camera_view(const JsonObject& camera, const glm::dmat4& world) {
   const std::string& type = camera.text("type");
   const bool is_perspective = type == "perspective";

@@ -25,4 +25,7 @@ std::vector<glm::dmat4> instance_matrices(GltfDocument& document, const JsonObje
 /// ignored. Throws InputError if a value is out of its range.
 View camera_view(const JsonObject& camera, const glm::dmat4& world);
 
+/// `lens` where its camera stands and looks in `world`. Throws InputError without a file if that is no view.
+View moved_view(const View& lens, const glm::dmat4& world);
+
 }  // namespace sightline

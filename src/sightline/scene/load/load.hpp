@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -20,6 +21,14 @@ struct LoadedScene {
     View view;
   };
   std::vector<NamedView> cameras;
+  /// Those of them that an animation of the file moves: the view at a time from `begin` to `end`, seconds. May be
+  /// called from any thread. Throws InputError where the camera is no view at that time.
+  struct MovingView {
+    std::string name;
+    double begin = 0.0, end = 0.0;
+    std::function<View(double seconds)> at;
+  };
+  std::vector<MovingView> moving_cameras;
 };
 
 /// Reads .glb, .gltf, .obj and the other formats of docs/formats.md. Throws InputError (file, position, reason) for a
