@@ -21,7 +21,8 @@ std::vector<std::string> contenders() {
     if (row.family == Family::face_culler) all.emplace_back(row.name);
   for (const char* text : {"backface:scalar=on", "normal_mask:n=6", "normal_mask:n=1", "normal_mask:sectors=4:chunk=64",
                            "normal_mask:n=18:sectors=3:scalar=on", "cluster_backface:leaf=1:cost=0.001",
-                           "cluster_backface:leaf=16:origins=off:scalar=on", "cluster_backface:position=0:cost=100"})
+                           "cluster_backface:leaf=16:origins=off:scalar=on", "cluster_backface:position=0:cost=100",
+                           "cluster_backface:cone=off"})
     all.emplace_back(text);
   return all;
 }
