@@ -74,7 +74,8 @@ struct Build {
   std::vector<FacePlane> planes;  // by triangle
   std::vector<Aabb> boxes;        // by triangle
   std::vector<std::uint32_t> order;
-  double size;  // of the mesh
+  double size;         // of the mesh
+  std::uint32_t leaf;  // triangles
   std::vector<Part> parts;
   std::vector<FacePlane> gathered;
 };
@@ -146,7 +147,7 @@ std::uint32_t build_part(Build& build, std::uint32_t begin, std::uint32_t end, i
   build.parts.push_back({begin, end});
   Part part{begin, end};
   for (std::uint32_t i = begin; i < end; ++i) part.bounds.extend(build.boxes[build.order[i]]);
-  if (end - begin > static_cast<std::uint32_t>(build.config.leaf)) {
+  if (end - begin > build.leaf) {
     const std::uint32_t middle = part_range(build, begin, end, depth);
     part.left = build_part(build, begin, middle, depth + 1);
     part.right = build_part(build, middle, end, depth + 1);
@@ -224,7 +225,7 @@ ClusterTree build_cluster_tree(std::span<const glm::vec3> positions, std::span<c
                                const glm::vec3& origin, const ClusterTreeConfig& config) {
   ClusterTree tree;
   if (triangles.empty()) return tree;
-  Build build{config, {}, {}, std::vector<std::uint32_t>(triangles.size()), 0.0, {}, {}};
+  Build build{config, {}, {}, std::vector<std::uint32_t>(triangles.size()), 0.0, 0, {}, {}};
   std::iota(build.order.begin(), build.order.end(), 0u);
   const glm::dvec3 shift(origin);
   Aabb all;
@@ -237,6 +238,10 @@ ClusterTree build_cluster_tree(std::span<const glm::vec3> positions, std::span<c
                                       glm::dvec3(positions[t.z]) - shift));
   }
   build.size = std::max(1e-30, static_cast<double>(glm::length(all.extent())));
+  // A whole small solid never turns its back: it needs clusters of its own scale.
+  build.leaf = static_cast<std::uint32_t>(
+      std::clamp<std::size_t>(triangles.size() / 24, 2, static_cast<std::size_t>(std::max(config.leaf, 2))));
+  if (config.leaf == 1) build.leaf = 1;
   // Triangles without area are in clusters of their own, so that they do not spoil any.
   const auto flat = std::stable_partition(build.order.begin(), build.order.end(),
                                           [&](std::uint32_t t) { return build.planes[t].height > 0.0; });

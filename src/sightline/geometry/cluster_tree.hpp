@@ -27,7 +27,7 @@ struct ClusterTree {
 };
 
 struct ClusterTreeConfig {
-  int leaf = 128;           // triangles: clusters of at most so many are not cut, 1 to 4096
+  int leaf = 128;           // triangles: clusters of at most so many (or 1/24 of the mesh) are not cut, 1 to 4096
   double cost_test = 4.0;   // t_C / r of the cost model; 0 keeps all leaves apart
   double position = 1.2;    // weight of place against direction where triangles are parted, >= 0
   float near_field = 4.0f;  // the viewpoints of the cost model: box of the cluster times this, > 1
