@@ -21,7 +21,8 @@ std::vector<std::string> contenders() {
     if (row.family == Family::face_culler) all.emplace_back(row.name);
   for (const char* text : {"backface:scalar=on", "normal_mask:n=6", "normal_mask:n=1", "normal_mask:sectors=4:chunk=64",
                            "normal_mask:n=18:sectors=3:scalar=on", "cluster_backface:leaf=1:cost=0.001",
-                           "cluster_backface:leaf=16:origins=off:scalar=on", "cluster_backface:position=0:cost=100"})
+                           "cluster_backface:leaf=16:origins=off:scalar=on", "cluster_backface:position=0:cost=100",
+                           "cluster_backface:cone=off"})
     all.emplace_back(text);
   return all;
 }
@@ -175,9 +176,9 @@ void check_view_of(const std::string& name, const Scene& scene, const View& view
 }
 
 void expect_no_front_face_culled(const std::string& name, const Scene& scene, const std::vector<View>& views,
-                                 std::map<std::string, Shares>& shares) {
+                                 std::map<std::string, Shares>& shares,
+                                 const std::vector<std::string>& names = contenders()) {
   const IndexedScene indexed = index_scene(scene);
-  const std::vector<std::string> names = contenders();
   std::vector<std::unique_ptr<FaceCuller>> cullers;
   for (const std::string& text : names) cullers.push_back(make_face_culler(text, indexed));
   for (const View& view : views) check_view_of(name, scene, view, names, cullers, shares);
@@ -213,7 +214,7 @@ Scene solids_scene(std::uint64_t seed, double far) {
 
 TEST(FaceCullerAgreement, NeverCullsAFrontFaceOfSolids) {
   std::map<std::string, Shares> shares;
-  for (const std::uint64_t seed : {1, 2, 3})
+  for (const std::uint64_t seed : {1, 2})
     for (const double far : {0.0, 100.0, 5000.0}) {
       const Scene scene = solids_scene(seed, far);
       expect_no_front_face_culled("solids " + std::to_string(seed) + " " + std::to_string(far), scene,
@@ -228,7 +229,7 @@ TEST(FaceCullerAgreement, NeverCullsAFrontFaceOfSolids) {
 TEST(FaceCullerAgreement, NeverCullsAFrontFaceOfGeneratedScenes) {
   std::map<std::string, Shares> shares;
   for (const cases::Case& c : cases::generated())
-    expect_no_front_face_culled(c.name, c.scene, cases::hard_views(c.scene, 6, 3), shares);
+    expect_no_front_face_culled(c.name, c.scene, cases::hard_views(c.scene, 3, 3), shares);
   print(shares);
   EXPECT_GT(shares["backface"].culled, shares["backface"].back / 2);
 }
@@ -241,7 +242,8 @@ TEST(FaceCullerAgreement, NeverCullsAFrontFaceOfRealScenes) {
     if (loaded.scene.triangle_count() > 2'000'000)
       continue;  // a bit for each instance's triangle, in quadruple precision
     std::map<std::string, Shares> shares;
-    expect_no_front_face_culled(file.filename().string(), loaded.scene, cases::hard_views(loaded.scene, 2, 5), shares);
+    expect_no_front_face_culled(file.filename().string(), loaded.scene, cases::hard_views(loaded.scene, 2, 5), shares,
+                                {"backface", "normal_mask", "normal_mask:sectors=4", "cluster_backface"});
     std::printf("%s\n", file.filename().string().c_str());
     print(shares);
   }

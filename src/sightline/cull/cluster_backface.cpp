@@ -108,6 +108,7 @@ std::unique_ptr<FaceCuller> make_cluster_backface(const IndexedScene& scene, Par
   parameters.read("position", config.position, 0.0, 100.0);
   parameters.read("near_field", near_field, 1.01, 1000.0);
   parameters.read("origins", config.origins);
+  parameters.read("cone", config.cone);
   parameters.read("scalar", scalar);
   parameters.finish();
   if (config.cost_test == 0.0) config.cost_test = measured_cluster_cost();

@@ -24,13 +24,18 @@ HWY_INLINE std::uint32_t test_children(const ClusterNode& node, const glm::vec4&
   const auto w = hn::Set(d, eye.w);
   std::uint32_t back = 0, front = 0;
   for (std::size_t k = 0; k < ClusterNode::width; k += lanes) {
-    auto most = hn::Zero(d), least = hn::Zero(d);
+    auto most = hn::Zero(d), least = hn::Zero(d), along = hn::Zero(d), square = hn::Zero(d);
     for (int axis = 0; axis < 3; ++axis) {
       const auto v = hn::Sub(hn::Set(d, eye[axis]), hn::Mul(hn::LoadU(d, node.c[axis] + k), w));
       const auto low = hn::Mul(hn::LoadU(d, node.n[axis] + k), v), high = hn::Mul(hn::LoadU(d, node.m[axis] + k), v);
       most = hn::Add(most, hn::Max(low, high));
       least = hn::Add(least, hn::Min(low, high));
+      along = hn::Add(along, hn::Mul(hn::LoadU(d, node.axis[axis] + k), v));
+      square = hn::Add(square, hn::Mul(v, v));
     }
+    const auto wide = hn::Mul(hn::LoadU(d, node.radius + k), hn::Sqrt(square));
+    most = hn::Min(most, hn::Add(along, wide));
+    least = hn::Max(least, hn::Sub(along, wide));
     const auto limit = hn::Add(hn::Set(d, slack), hn::Mul(hn::Set(d, sharpness), hn::LoadU(d, node.sharpness + k)));
     const auto behind = hn::Sub(most, hn::Mul(hn::LoadU(d, node.d + k), w));
     const auto before = hn::Sub(least, hn::Mul(hn::LoadU(d, node.front + k), w));
@@ -69,7 +74,8 @@ struct Build {
   std::vector<FacePlane> planes;  // by triangle
   std::vector<Aabb> boxes;        // by triangle
   std::vector<std::uint32_t> order;
-  double size;  // of the mesh
+  double size;         // of the mesh
+  std::uint32_t leaf;  // triangles
   std::vector<Part> parts;
   std::vector<FacePlane> gathered;
 };
@@ -104,12 +110,44 @@ std::uint32_t part_range(Build& build, std::uint32_t begin, std::uint32_t end, i
   return place == begin || place == end || depth > 48 ? begin + (end - begin) / 2 : place;
 }
 
+/// Radical inverse of i: evenly spread numbers in [0, 1) that are the same everywhere.
+double spread(int i, int base) {
+  double result = 0.0, step = 1.0;
+  for (; i > 0; i /= base) {
+    step /= base;
+    result += step * (i % base);
+  }
+  return result;
+}
+
+/// Of how many viewpoints around the mesh the cluster is culled: what counts in the end, box and cone together.
+int culled_from(const NormalCluster& cluster, double size) {
+  int culled = 0;
+  for (int i = 1; i <= 64; ++i) {
+    const glm::vec3 eye(3.0 * size * (glm::dvec3(spread(i, 2), spread(i, 3), spread(i, 5)) - 0.5));
+    culled += turns_back(cluster, glm::vec4(eye, 1.0f), 0.0f) ? 1 : 0;
+  }
+  return culled;
+}
+
+/// Adds the cone, and takes its apex as local origin where that is culled more often.
+void improve(const Build& build, Part& part) {
+  add_cone(part.cluster, build.gathered);
+  const glm::dvec3 apex = cone_apex(part.cluster, build.gathered, part.bounds);
+  // The slack of the test is made for origins within the mesh's bounds.
+  if (part.cluster.radius >= NormalCluster::no_cone || glm::length(apex) > 0.5 * build.size) return;
+  NormalCluster other = make_cluster(build.gathered, glm::vec3(apex));
+  other.axis = part.cluster.axis;
+  other.radius = part.cluster.radius;
+  if (culled_from(other, build.size) > culled_from(part.cluster, build.size)) part.cluster = other;
+}
+
 std::uint32_t build_part(Build& build, std::uint32_t begin, std::uint32_t end, int depth = 0) {
   const auto index = static_cast<std::uint32_t>(build.parts.size());
   build.parts.push_back({begin, end});
   Part part{begin, end};
   for (std::uint32_t i = begin; i < end; ++i) part.bounds.extend(build.boxes[build.order[i]]);
-  if (end - begin > static_cast<std::uint32_t>(build.config.leaf)) {
+  if (end - begin > build.leaf) {
     const std::uint32_t middle = part_range(build, begin, end, depth);
     part.left = build_part(build, begin, middle, depth + 1);
     part.right = build_part(build, middle, end, depth + 1);
@@ -119,6 +157,7 @@ std::uint32_t build_part(Build& build, std::uint32_t begin, std::uint32_t end, i
   const Aabb viewpoints = near_field(part.bounds, build.config.near_field);
   part.cluster = build.config.origins ? best_cluster(build.gathered, part.bounds, viewpoints)
                                       : make_cluster(build.gathered, part.bounds.centre());
+  if (build.config.cone) improve(build, part);
   const ClusterCost cost{build.config.cost_test};
   if (part.left != 0 && build.parts[part.left].left == 0 && build.parts[part.right].left == 0) {
     const Part &a = build.parts[part.left], &b = build.parts[part.right];
@@ -137,10 +176,12 @@ void put(ClusterNode& node, std::size_t k, const Part& part) {
     node.n[axis][k] = part.cluster.n[axis];
     node.m[axis][k] = part.cluster.m[axis];
     node.c[axis][k] = part.cluster.c[axis];
+    node.axis[axis][k] = part.cluster.axis[axis];
   }
   node.d[k] = part.cluster.d;
   node.front[k] = part.cluster.front;
   node.sharpness[k] = part.cluster.sharpness;
+  node.radius[k] = part.cluster.radius;
   node.begin[k] = part.begin;
   node.end[k] = part.end;
   node.child[k] = ClusterNode::leaf;
@@ -184,7 +225,7 @@ ClusterTree build_cluster_tree(std::span<const glm::vec3> positions, std::span<c
                                const glm::vec3& origin, const ClusterTreeConfig& config) {
   ClusterTree tree;
   if (triangles.empty()) return tree;
-  Build build{config, {}, {}, std::vector<std::uint32_t>(triangles.size()), 0.0, {}, {}};
+  Build build{config, {}, {}, std::vector<std::uint32_t>(triangles.size()), 0.0, 0, {}, {}};
   std::iota(build.order.begin(), build.order.end(), 0u);
   const glm::dvec3 shift(origin);
   Aabb all;
@@ -197,6 +238,10 @@ ClusterTree build_cluster_tree(std::span<const glm::vec3> positions, std::span<c
                                       glm::dvec3(positions[t.z]) - shift));
   }
   build.size = std::max(1e-30, static_cast<double>(glm::length(all.extent())));
+  // A whole small solid never turns its back: it needs clusters of its own scale.
+  build.leaf = static_cast<std::uint32_t>(
+      std::clamp<std::size_t>(triangles.size() / 24, 2, static_cast<std::size_t>(std::max(config.leaf, 2))));
+  if (config.leaf == 1) build.leaf = 1;
   // Triangles without area are in clusters of their own, so that they do not spoil any.
   const auto flat = std::stable_partition(build.order.begin(), build.order.end(),
                                           [&](std::uint32_t t) { return build.planes[t].height > 0.0; });
@@ -228,10 +273,12 @@ NormalCluster cluster_at(const ClusterNode& node, std::size_t k) {
     cluster.n[axis] = node.n[axis][k];
     cluster.m[axis] = node.m[axis][k];
     cluster.c[axis] = node.c[axis][k];
+    cluster.axis[axis] = node.axis[axis][k];
   }
   cluster.d = node.d[k];
   cluster.front = node.front[k];
   cluster.sharpness = node.sharpness[k];
+  cluster.radius = node.radius[k];
   return cluster;
 }
 

@@ -14,7 +14,7 @@ namespace sightline {
 struct ClusterNode {
   static constexpr std::size_t width = 8;
   static constexpr std::uint32_t leaf = 0xFFFFFFFFu;
-  float n[3][width], m[3][width], c[3][width], d[width], front[width], sharpness[width];
+  float n[3][width], m[3][width], c[3][width], d[width], front[width], sharpness[width], axis[3][width], radius[width];
   std::uint32_t begin[width], end[width];  // places of the triangles
   std::uint32_t child[width];              // node, or `leaf`
   std::uint32_t count;                     // children in use
@@ -27,11 +27,12 @@ struct ClusterTree {
 };
 
 struct ClusterTreeConfig {
-  int leaf = 64;            // triangles: clusters of at most so many are not cut, 1 to 4096
+  int leaf = 128;           // triangles: clusters of at most so many (or 1/24 of the mesh) are not cut, 1 to 4096
   double cost_test = 4.0;   // t_C / r of the cost model; 0 keeps all leaves apart
-  double position = 0.7;    // weight of place against direction where triangles are parted, >= 0
+  double position = 1.2;    // weight of place against direction where triangles are parted, >= 0
   float near_field = 4.0f;  // the viewpoints of the cost model: box of the cluster times this, > 1
   bool origins = true;      // the best of nine local origins, or the centre (19.08)
+  bool cone = true;         // bound the normals by a cone as well, and try its apex as origin
 };
 
 /// Positions minus `origin`. Triangles are parted at the mean of the widest of normal and place, from the top; then,

@@ -76,7 +76,8 @@ class Quickhull {
     const std::uint32_t c =
         largest([&](const glm::dvec3& p) { return glm::length(glm::cross(p - points_[a], along)); });
     if (!(glm::length(glm::cross(points_[c] - points_[a], along)) > epsilon_)) {
-      flat({a, b});
+      // `a` need not be an end: all may have the same x.
+      flat({b, largest([&](const glm::dvec3& p) { return glm::distance(p, points_[b]); })});
       return false;
     }
     const glm::dvec3 normal = glm::normalize(glm::cross(points_[b] - points_[a], points_[c] - points_[a]));
@@ -209,7 +210,15 @@ class Quickhull {
       result_.faces.push_back(triangle);
     }
     result_.slack = static_cast<float>(100.0 * epsilon_);
+    if (result_.faces.size() * points_.size() > most_checks) return;
+    double outside = 0.0;  // what doubles got wrong, if anything, is made up for by the slack
+    for (const Face& face : faces_)
+      if (face.alive)
+        for (std::uint32_t i = 0; i < points_.size(); ++i) outside = std::max(outside, above(face, i));
+    result_.slack = std::max(result_.slack, static_cast<float>(2.0 * outside));
   }
+
+  static constexpr std::size_t most_checks = 20'000'000;
 
   std::vector<glm::dvec3> points_;
   std::vector<Face> faces_;

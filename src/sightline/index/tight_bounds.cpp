@@ -68,37 +68,44 @@ struct Builder {
   std::vector<std::uint32_t> order;
   int deepest;
 
-  /// Where to cut along the widest axis of the centres: the least sum of half areas.
-  void plan(Cluster& cluster) {
-    cluster.middle = cluster.begin;
-    if (cluster.end - cluster.begin < 2 || cluster.depth >= deepest) return;
-    Aabb centres;
-    for (std::uint32_t i = cluster.begin; i < cluster.end; ++i) centres.extend(triangles[order[i]].centre());
-    const glm::vec3 e = centres.extent();
-    const int axis = e.x >= e.y && e.x >= e.z ? 0 : e.y >= e.z ? 1 : 2;
-    if (!(e[axis] > 0.0f)) return;
+  void sort_along(const Cluster& cluster, int axis) {
     std::sort(order.begin() + cluster.begin, order.begin() + cluster.end, [&](std::uint32_t a, std::uint32_t b) {
       const float ca = triangles[a].centre()[axis], cb = triangles[b].centre()[axis];
       return ca != cb ? ca < cb : a < b;
     });
+  }
+
+  /// Where to cut, along each axis: the least sum of half areas.
+  void plan(Cluster& cluster) {
+    cluster.middle = cluster.begin;
+    if (cluster.end - cluster.begin < 2 || cluster.depth >= deepest) return;
     const std::uint32_t count = cluster.end - cluster.begin;
     std::vector<Aabb> from_right(count + 1);
-    for (std::uint32_t i = count; i-- > 0;) {
-      from_right[i] = from_right[i + 1];
-      from_right[i].extend(triangles[order[cluster.begin + i]]);
-    }
-    Aabb left;
     double best = std::numeric_limits<double>::infinity();
-    for (std::uint32_t i = 1; i < count; ++i) {
-      left.extend(triangles[order[cluster.begin + i - 1]]);
-      const double cost = static_cast<double>(left.half_area()) + static_cast<double>(from_right[i].half_area());
-      if (cost >= best) continue;
-      best = cost;
-      cluster.middle = cluster.begin + i;
-      cluster.left = left;
-      cluster.right = from_right[i];
+    int best_axis = -1;
+    for (int axis = 0; axis < 3; ++axis) {
+      sort_along(cluster, axis);
+      for (std::uint32_t i = count; i-- > 0;) {
+        from_right[i] = from_right[i + 1];
+        from_right[i].extend(triangles[order[cluster.begin + i]]);
+      }
+      Aabb left;
+      for (std::uint32_t i = 1; i < count; ++i) {
+        left.extend(triangles[order[cluster.begin + i - 1]]);
+        const double cost = static_cast<double>(left.half_area()) + static_cast<double>(from_right[i].half_area());
+        if (cost >= best) continue;
+        best = cost;
+        best_axis = axis;
+        cluster.middle = cluster.begin + i;
+        cluster.left = left;
+        cluster.right = from_right[i];
+      }
     }
-    cluster.saved = volume(cluster.box) - volume(cluster.left) - volume(cluster.right);
+    sort_along(cluster, std::max(best_axis, 0));
+    // Flat boxes have no volume to save, but area.
+    const double area = static_cast<double>(cluster.box.half_area()) - best;
+    cluster.saved = volume(cluster.box) - volume(cluster.left) - volume(cluster.right) +
+                    1e-6 * static_cast<double>(glm::length(cluster.box.extent())) * std::max(0.0, area);
   }
 };
 

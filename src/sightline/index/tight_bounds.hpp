@@ -17,8 +17,9 @@ struct TightBoundsConfig {
 };
 
 /// Boxes that together hold every triangle, each cut off only while the surface of their union stays within sigma times
-/// the surface of the *original* box (E49). The box whose cut saves most volume is cut first, at the widest axis of its
-/// triangles' centres, where the two halves are smallest. One box if there is nothing to gain; none without triangles.
+/// the surface of the *original* box (E49). The box whose cut saves most volume is cut first, along the axis
+/// and at the place where the two halves have the least surface. One box if there is nothing to gain; none without
+/// triangles.
 struct TightBounds {
   std::vector<Aabb> boxes;
   /// The box that each triangle is in.
