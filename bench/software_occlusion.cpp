@@ -1,7 +1,8 @@
-// bench_software_occlusion [frames]: the occlusion cullers beside each other on the real scenes, checked before
-// anything is timed, contenders interleaved. (1) The horizon against the masked buffer on dover-city, one core. (2)
-// Automatic occluders against all triangles. (3) Culling rate for each order (checklist 21.17). (4) What sampling and
-// thresholds lose. Exits 1 if a conservative answer is wrong; real scenes that are missing are said to be.
+// bench_software_occlusion [frames=24 [horizon|auto|order|approximate]]: the occlusion cullers beside each other on the
+// real scenes, checked before anything is timed, contenders interleaved. (1) The horizon against the masked buffer on
+// dover-city, one core. (2) Automatic occluders against all triangles. (3) Culling rate for each order
+// (checklist 21.17). (4) What sampling and thresholds lose. Exits 1 if a conservative answer is wrong; real scenes that
+// are missing are said to be.
 #include <algorithm>
 #include <cstdio>
 #include <cstdlib>
@@ -154,6 +155,9 @@ bool automatic(const std::string& name, int frames) {
 
 int main(int count, char** arguments) {
   const ThreadLimit limit(1);
+  std::setvbuf(stdout, nullptr, _IOLBF, 0);  // what is known stays known if somebody stops it
+  const std::string only = count > 2 ? arguments[2] : "";
+  const auto wanted = [&](const char* part) { return only.empty() || only == part; };
   const int frames = count > 1 ? std::max(1, std::atoi(arguments[1])) : 24;
   bool good = true;
   const auto attempt = [&](auto&& task) {
@@ -163,26 +167,29 @@ int main(int count, char** arguments) {
       std::printf("\nSKIPPED: %s\n", error.what());
     }
   };
-  attempt([&] {
-    return run("the horizon on dover-city", real("dover-city"), frames,
-               {"occlusion_masked", "occlusion_horizon", "occlusion_horizon:columns=320",
-                "occlusion_horizon:occluders=boxes"});
-  });
+  if (wanted("horizon"))
+    attempt([&] {
+      return run("the horizon on dover-city", real("dover-city"), frames,
+                 {"occlusion_masked", "occlusion_horizon", "occlusion_horizon:columns=640",
+                  "occlusion_horizon:occluders=boxes"});
+    });
   for (const char* name : {"intel-castle", "medical-clinic", "aws-hospital"})
-    attempt([&] { return automatic(name, frames); });
+    if (wanted("auto")) attempt([&] { return automatic(name, frames); });
   const auto city = [] { return generate_scene("city", {.objects = 5000, .triangles = 0, .seed = 1}); };
-  attempt([&] {
-    return run("order of processing, generated city", city(), frames,
-               {"occlusion_hzb", "occlusion_hzb:order=random", "occlusion_hzb:order=worst", "occlusion_map",
-                "occlusion_map:map=off", "occlusion_map:order=random", "occlusion_map:order=worst", "occlusion_virtual",
-                "occlusion_virtual:order=random", "occlusion_virtual:order=worst"});
-  });
-  attempt([&] {
-    return run("approximate modes, generated city", city(), frames,
-               {"occlusion_hzb", "occlusion_hzb:pixels=4", "occlusion_hzb:pixels=25", "occlusion_hzb:pixels=100",
-                "occlusion_hom", "occlusion_hom:holes=16", "occlusion_hom:opacity=0.9", "occlusion_hom:opacity=0.7",
-                "occlusion_virtual:step=1", "occlusion_virtual:step=2", "occlusion_virtual:step=4",
-                "occlusion_virtual:step=8", "occlusion_virtual:step=16"});
-  });
+  if (wanted("order"))
+    attempt([&] {
+      return run("order of processing, generated city", city(), frames,
+                 {"occlusion_hzb", "occlusion_hzb:order=random", "occlusion_hzb:order=worst", "occlusion_map",
+                  "occlusion_map:map=off", "occlusion_map:order=random", "occlusion_map:order=worst",
+                  "occlusion_virtual", "occlusion_virtual:order=random", "occlusion_virtual:order=worst"});
+    });
+  if (wanted("approximate"))
+    attempt([&] {
+      return run("approximate modes, generated city", city(), frames,
+                 {"occlusion_hzb", "occlusion_hzb:pixels=4", "occlusion_hzb:pixels=25", "occlusion_hzb:pixels=100",
+                  "occlusion_hom", "occlusion_hom:holes=16", "occlusion_hom:opacity=0.9", "occlusion_hom:opacity=0.7",
+                  "occlusion_virtual:step=1", "occlusion_virtual:step=2", "occlusion_virtual:step=4",
+                  "occlusion_virtual:step=8", "occlusion_virtual:step=16"});
+    });
   return good ? 0 : 1;
 }

@@ -115,9 +115,14 @@ class Walker {
  private:
   WalkAnswer cull(const View& view, Contender& contender, WalkRun& run) {
     WalkAnswer answer;
+    const std::size_t before = run.answers.empty() ? allocated_bytes() : 0;
     const auto start = Clock::now();
     contender.culler->cull(view, candidates_, contender.visible, run.counters);
     answer.cull_ms = milliseconds_since(start);
+    if (run.answers.empty()) {  // what it allocates when first used
+      const std::size_t after = allocated_bytes();
+      run.memory_bytes += after > before ? after - before : 0;
+    }
     answer.visible = contender.visible.count();
     for (const ObjectId id : contender.visible.order())
       answer.triangles_submitted += scene_.mesh_of(id).triangles.size();

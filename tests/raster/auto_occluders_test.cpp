@@ -10,6 +10,7 @@
 #include "sightline/oracle/oracle.hpp"
 #include "sightline/raster/coplanar_patches.hpp"
 #include "sightline/raster/solid_boxes.hpp"
+#include "sightline/scene/topology.hpp"
 
 namespace sightline {
 namespace {

@@ -134,8 +134,8 @@ TEST(OverlapPyramid, SmallHolesPassAThresholdBelowOne) {
   std::uint64_t cells = 0;
   EXPECT_FALSE(pyramid.covers(0, 0, 16, 16, {}, cells));
   EXPECT_TRUE(pyramid.covers(0, 0, 16, 16, {.opacity = 1.0, .holes = 1}, cells));
-  EXPECT_TRUE(pyramid.covers(0, 0, 16, 16, {.opacity = 255.0 / 256, .holes = 0}, cells));
-  EXPECT_FALSE(pyramid.covers(0, 0, 16, 16, {.opacity = 255.5 / 256, .holes = 0}, cells));
+  EXPECT_TRUE(pyramid.covers(0, 0, 16, 16, {.opacity = 63.0 / 64, .holes = 0}, cells));
+  EXPECT_FALSE(pyramid.covers(0, 0, 16, 16, {.opacity = 63.5 / 64, .holes = 0}, cells));
   EXPECT_FALSE(pyramid.covers(5, 6, 6, 7, {.opacity = 1.0, .holes = 1}, cells)) << "a lone open pixel is no small hole";
 }
 

@@ -204,7 +204,7 @@ class OcclusionHorizon final : public Culler {
 }  // namespace
 
 std::unique_ptr<Culler> make_occlusion_horizon(const IndexedScene& scene, ParameterReader& parameters) {
-  int columns = 640;
+  int columns = 320;
   std::string occluders = "walls";
   parameters.read("columns", columns, 16, 16384);
   parameters.read("occluders", occluders);
