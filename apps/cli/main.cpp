@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "command.hpp"
+#include "methods.hpp"
 #include "output.hpp"
 #include "scene_argument.hpp"
 #include "sightline/parallel/parallel.hpp"
@@ -21,11 +22,13 @@ Verb list_command(CLI::App& app);
 Verb generate_command(CLI::App& app);
 Verb walk_command(CLI::App& app);
 Verb render_command(CLI::App& app);
+Verb persistence_command(CLI::App& app);
+Verb queries_command(CLI::App& app);
 
 namespace {
 
 constexpr Verb (*commands[])(CLI::App&) = {
-    info_command, list_command, generate_command, walk_command, render_command,
+    info_command, list_command, generate_command, walk_command, render_command, persistence_command, queries_command,
 };
 
 /// CLI11 names neither a verb that it does not know nor those that there are.
@@ -97,6 +100,8 @@ int main(int argc, char** argv) {
     return complain("", error.what(), exit_usage);
   } catch (const sightline::InputError& error) {
     return complain("", error.what(), exit_bad_input);
+  } catch (const MethodUnavailable& error) {
+    return complain("", error.what(), exit_internal);
   } catch (const std::bad_alloc&) {
     return complain("", "out of memory", exit_internal);
   } catch (const std::exception& error) {

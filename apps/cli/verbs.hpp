@@ -10,5 +10,7 @@ int run_list(const ListOptions& options);
 int run_generate(const GenerateOptions& options);
 int run_walk(const WalkOptions& options);
 int run_render(const RenderOptions& options);
+int run_persistence(const PersistenceOptions& options);
+int run_queries(const QueriesOptions& options);
 
 }  // namespace sightline::cli

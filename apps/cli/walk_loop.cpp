@@ -1,10 +1,13 @@
 #include "walk_loop.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <chrono>
 #include <cmath>
 
 #include "interrupt.hpp"
+#include "methods.hpp"
 #include "output.hpp"
 #include "picture.hpp"
 #include "scene_argument.hpp"
@@ -62,12 +65,24 @@ class Walker {
         candidates_(VisibleSet::all(scene_.objects().size())),
         frustum_culler_(make_culler("frustum_linear", indexed)) {
     for (const std::string& method : options.methods) {
-      contenders_.push_back({as_usage([&] { return make_culler(method, indexed); }), VisibleSet()});
+      std::unique_ptr<Culler> culler;
+      try {
+        culler = as_usage([&] { return make_any_culler(method, indexed); });
+      } catch (const MethodUnavailable& error) {
+        if (options.methods.size() == 1) throw;
+        warn(fmt::format("{}: skipped: {}", method, error.what()));
+        continue;
+      }
+      if (!options.trace.empty() && traced_ == none_traced && start_trace(*culler)) traced_ = contenders_.size();
+      contenders_.push_back({std::move(culler), VisibleSet()});
       WalkRun run;
       run.method = method;
-      run.promise = find_algorithm(parse_method(method).name, Family::culler).promise;
+      run.promise = find_method(parse_method(method).name, Family::culler).promise;
       report.runs.push_back(std::move(run));
     }
+    if (contenders_.empty()) throw MethodUnavailable("none of the methods can run here");
+    if (!options.trace.empty() && traced_ == none_traced)
+      throw UsageError("--trace: none of the methods has a timeline; those named gl_... have one");
   }
 
   void frame(const View& view, bool with_state) {
@@ -93,6 +108,13 @@ class Walker {
       report_.runs[i].answers.push_back(std::move(answers[i]));
     }
     report_.views.push_back(facts);
+  }
+
+  /// Hands over what --trace asks for.
+  void finish() {
+    if (traced_ != none_traced)
+      report_.trace =
+          finish_trace(*contenders_[traced_].culler, report_.runs[traced_].method, options_.trace.ends_with(".svg"));
   }
 
  private:
@@ -122,6 +144,8 @@ class Walker {
   VisibleSet candidates_, frustum_;
   std::unique_ptr<Culler> frustum_culler_;
   std::vector<Contender> contenders_;
+  static constexpr std::size_t none_traced = ~std::size_t{0};
+  std::size_t traced_ = none_traced;
 };
 
 std::size_t missed_in(const WalkReport& report, std::size_t frame) {
@@ -161,9 +185,10 @@ void walk_frames(const WalkOptions& options, const IndexedScene& indexed, std::s
     progress.show(i + 1);
     if (interrupted()) {
       report.interrupted = true;
-      return;
+      break;
     }
   }
+  walker.finish();
 }
 
 std::vector<WalkPicture> draw_pictures(const WalkReport& report, const Oracle& oracle) {

@@ -64,6 +64,7 @@ struct WalkReport {
   std::vector<WalkView> views;
   std::vector<WalkRun> runs;
   std::vector<WalkPicture> pictures;
+  std::string trace;  // timeline of the first method that has one, for --trace
 };
 
 /// Sums over the frames of one run. An absent value could not be computed (no truth, no frames).
