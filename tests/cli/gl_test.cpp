@@ -1,4 +1,5 @@
 // Verbs that reach OpenGL, and what they do where there is none; the measure of visibility persistence.
+#include <array>
 #include <cmath>
 #include <cstdlib>
 

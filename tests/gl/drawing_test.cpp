@@ -44,7 +44,7 @@ TEST_F(Drawing, ShowsWhatTheSoftwareRendererShows) {
 TEST_F(Drawing, TheLowerIdWinsATieInAnyOrder) {
   const Scene scene = cases::degenerate_scene();  // has the same wall twice
   SceneDrawing drawing(*context(), scene);
-  View view = look_along({0, 0, 3}, {0, 0, -1});
+  View view = look_along({0, 0, 2}, {0, 0, -1});
   view.width = 200;
   view.height = 120;
   std::vector<ObjectId> ids(scene.objects().size());
