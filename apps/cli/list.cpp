@@ -4,7 +4,7 @@
 #include <algorithm>
 
 #include "json_output.hpp"
-#include "sightline/registry.hpp"
+#include "methods.hpp"
 #include "sightline/scene/generate/generate.hpp"
 #include "verbs.hpp"
 
@@ -13,7 +13,7 @@ namespace {
 
 Json list_json() {
   Json json{{"schema", "sightline.list/1"}, {"algorithms", Json::array()}, {"generators", Json::array()}};
-  for (const Algorithm& row : algorithms())
+  for (const Algorithm& row : all_algorithms())
     json["algorithms"].push_back({{"name", row.name},
                                   {"family", to_string(row.family)},
                                   {"promise", to_string(row.promise)},
@@ -27,7 +27,7 @@ Json list_json() {
 
 void print_markdown() {
   fmt::print("| name | family | promise | paper | checklist | summary |\n|---|---|---|---|---|---|\n");
-  for (const Algorithm& row : algorithms())
+  for (const Algorithm& row : all_algorithms())
     fmt::print("| [`{0}`](docs/algorithms/{0}.md) | {1} | {2} | {3} | {4} | {5} |\n", row.name, to_string(row.family),
                to_string(row.promise), row.paper, row.checklist, row.summary);
   fmt::print("\n| generator | summary |\n|---|---|\n");
@@ -36,7 +36,7 @@ void print_markdown() {
 
 void print_text() {
   std::size_t name = 4, paper = 5, checklist = 9;
-  for (const Algorithm& row : algorithms()) {
+  for (const Algorithm& row : all_algorithms()) {
     name = std::max(name, row.name.size());
     paper = std::max(paper, row.paper.size());
     checklist = std::max(checklist, row.checklist.size());
@@ -44,7 +44,7 @@ void print_text() {
   for (const Generator& row : generators()) name = std::max(name, row.name.size());
   const auto line = [&](auto... cells) { fmt::print("{:<{}}  {:<11}  {:<23}  {:<{}}  {:<{}}  {}\n", cells...); };
   line("name", name, "family", "promise", "paper", paper, "checklist", checklist, "summary");
-  for (const Algorithm& row : algorithms())
+  for (const Algorithm& row : all_algorithms())
     line(row.name, name, to_string(row.family), to_string(row.promise), row.paper, paper, row.checklist, checklist,
          row.summary);
   fmt::print("\n{:<{}}  summary\n", "generator", name);

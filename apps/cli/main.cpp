@@ -10,6 +10,7 @@
 
 #include "command.hpp"
 #include "interrupt.hpp"
+#include "methods.hpp"
 #include "output.hpp"
 #include "scene_argument.hpp"
 #include "sightline/parallel/parallel.hpp"
@@ -30,6 +31,8 @@ Verb occluders_command(CLI::App& app);
 Verb bounds_command(CLI::App& app);
 Verb sigma_command(CLI::App& app);
 Verb structures_command(CLI::App& app);
+Verb persistence_command(CLI::App& app);
+Verb queries_command(CLI::App& app);
 Verb visible_faces_command(CLI::App& app);
 Verb sight_lines_command(CLI::App& app);
 Verb maze_command(CLI::App& app);
@@ -43,11 +46,30 @@ Verb faces_command(CLI::App& app);
 namespace {
 
 constexpr Verb (*commands[])(CLI::App&) = {
-    info_command,    list_command,       generate_command,   walk_command,          compare_command,
-    explain_command, view_command,       render_command,     raster_report_command, occluders_command,
-    bounds_command,  sigma_command,      structures_command, visible_faces_command, sight_lines_command,
-    maze_command,    completion_command, manual_command,     bsp_command,           boolean_command,
-    detail_command,  faces_command,
+    info_command,
+    list_command,
+    generate_command,
+    walk_command,
+    compare_command,
+    explain_command,
+    view_command,
+    render_command,
+    raster_report_command,
+    occluders_command,
+    bounds_command,
+    sigma_command,
+    structures_command,
+    persistence_command,
+    queries_command,
+    visible_faces_command,
+    sight_lines_command,
+    maze_command,
+    completion_command,
+    manual_command,
+    bsp_command,
+    boolean_command,
+    detail_command,
+    faces_command,
 };
 
 /// CLI11 names neither a verb that it does not know nor those that there are.
@@ -122,6 +144,8 @@ int main(int argc, char** argv) {
     return complain("", error.what(), exit_usage);
   } catch (const sightline::InputError& error) {
     return complain("", error.what(), exit_bad_input);
+  } catch (const MethodUnavailable& error) {
+    return complain("", error.what(), exit_internal);
   } catch (const std::bad_alloc&) {
     return complain("", "out of memory", exit_internal);
   } catch (const std::exception& error) {

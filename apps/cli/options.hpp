@@ -101,6 +101,23 @@ struct WalkOptions {
   bool verify = true;
   int samples = 1;     // n x n oracle samples for each pixel
   std::string report;  // folder for the report page, empty for none
+  std::string trace;   // file for the timeline of a method that runs on a device, empty for none
+};
+
+struct PersistenceOptions {
+  CommonOptions common;
+  std::string scene;
+  PathOptions path{{}, 300};
+  CameraOptions camera;
+  int longest = 50;     // frames
+  std::string picture;  // plot as .svg, empty for none
+};
+
+struct QueriesOptions {
+  CommonOptions common;
+  int width = 1280, height = 720;
+  int boxes = 4096;     // queries of a round
+  std::string picture;  // plot as .svg, empty for none
 };
 
 struct RenderOptions {

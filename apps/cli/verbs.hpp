@@ -20,5 +20,7 @@ int run_bounds(const BoundsOptions& options);
 int run_sigma(const SigmaOptions& options);
 int run_detail(const DetailOptions& options);
 int run_structures(const StructuresOptions& options);
+int run_persistence(const PersistenceOptions& options);
+int run_queries(const QueriesOptions& options);
 
 }  // namespace sightline::cli

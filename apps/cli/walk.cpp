@@ -7,10 +7,10 @@
 
 #include "camera.hpp"
 #include "interrupt.hpp"
+#include "methods.hpp"
 #include "output.hpp"
 #include "report.hpp"
 #include "scene_argument.hpp"
-#include "sightline/registry.hpp"
 #include "verbs.hpp"
 #include "walk_json.hpp"
 #include "walk_loop.hpp"
@@ -23,7 +23,7 @@ namespace {
 void check_methods(const WalkOptions& options) {
   std::set<std::string> given;
   for (const std::string& method : options.methods) {
-    as_usage([&] { (void)find_algorithm(parse_method(method).name, Family::culler); });
+    as_usage([&] { (void)find_method(parse_method(method).name, Family::culler); });
     if (!given.insert(method).second) throw UsageError(fmt::format("--method: '{}' is given twice", method));
   }
 }
@@ -60,6 +60,8 @@ int run_walk(const WalkOptions& options) {
   catch_interrupts();
   std::optional<OutputFile> json;
   if (!options.common.json.empty()) json.emplace(options.common.json);
+  std::optional<OutputFile> trace;
+  if (!options.trace.empty()) trace.emplace(options.trace);
   if (!options.report.empty()) prepare_report(options.report);
 
   const LoadedScene loaded = open_scene(options.scene, options.common);
@@ -75,6 +77,10 @@ int run_walk(const WalkOptions& options) {
   if (json) {
     write_walk_json(report, options.ids, [&](std::string_view text) { json->write(text); });
     json->commit();
+  }
+  if (trace) {
+    trace->write(report.trace);
+    trace->commit();
   }
   print_text(report, options);
   if (!options.report.empty()) {

@@ -1,12 +1,14 @@
 #include "walk_loop.hpp"
 
 #include <malloc.h>
+#include <fmt/format.h>
 
 #include <algorithm>
 #include <chrono>
 #include <cmath>
 
 #include "interrupt.hpp"
+#include "methods.hpp"
 #include "output.hpp"
 #include "picture.hpp"
 #include "scene_argument.hpp"
@@ -83,8 +85,24 @@ class Walker {
       run.promise = contenders_.back().culler->approximate()
                         ? Promise::approximate
                         : find_algorithm(parse_method(method).name, Family::culler).promise;
+      std::unique_ptr<Culler> culler;
+      try {
+        culler = as_usage([&] { return make_any_culler(method, indexed); });
+      } catch (const MethodUnavailable& error) {
+        if (options.methods.size() == 1) throw;
+        warn(fmt::format("{}: skipped: {}", method, error.what()));
+        continue;
+      }
+      if (!options.trace.empty() && traced_ == none_traced && start_trace(*culler)) traced_ = contenders_.size();
+      contenders_.push_back({std::move(culler), VisibleSet()});
+      WalkRun run;
+      run.method = method;
+      run.promise = find_method(parse_method(method).name, Family::culler).promise;
       report.runs.push_back(std::move(run));
     }
+    if (contenders_.empty()) throw MethodUnavailable("none of the methods can run here");
+    if (!options.trace.empty() && traced_ == none_traced)
+      throw UsageError("--trace: none of the methods has a timeline; those named gl_... have one");
   }
 
   void frame(const View& view, bool with_state) {
@@ -110,6 +128,13 @@ class Walker {
       report_.runs[i].answers.push_back(std::move(answers[i]));
     }
     report_.views.push_back(facts);
+  }
+
+  /// Hands over what --trace asks for.
+  void finish() {
+    if (traced_ != none_traced)
+      report_.trace =
+          finish_trace(*contenders_[traced_].culler, report_.runs[traced_].method, options_.trace.ends_with(".svg"));
   }
 
  private:
@@ -153,6 +178,8 @@ class Walker {
   std::unique_ptr<Culler> frustum_culler_;
   std::vector<Contender> contenders_;
   std::size_t kept_ids_ = 0;
+  static constexpr std::size_t none_traced = ~std::size_t{0};
+  std::size_t traced_ = none_traced;
 };
 
 std::size_t missed_in(const WalkReport& report, std::size_t frame) {
@@ -199,9 +226,10 @@ void walk_frames(const WalkOptions& options, const IndexedScene& indexed, std::s
     progress.show(i + 1);
     if (interrupted()) {
       report.interrupted = true;
-      return;
+      break;
     }
   }
+  walker.finish();
 }
 
 std::vector<WalkPicture> draw_pictures(const WalkReport& report, const Oracle& oracle) {

@@ -7,7 +7,6 @@
 #include "gl/node_queue.hpp"
 #include "gl/queries.hpp"
 #include "sightline/scene/generate/random.hpp"
-#include "sightline/scene/input_error.hpp"
 
 namespace sightline::gl {
 namespace {
@@ -41,6 +40,7 @@ class Chcpp final : public Method {
     tight_.build(bvh, config_.tight);
     revision_ = drawing_.revision();
     frame_ = 1;
+    persistence_.assign(64, {});
     random_ = Random(static_cast<std::uint64_t>(config_.seed));
   }
 
@@ -50,11 +50,16 @@ class Chcpp final : public Method {
     std::uint32_t parent = 0;
     std::uint32_t last_visited = 0;   // frame
     std::uint32_t drawn = 0;          // frame
-    std::uint32_t hidden_frames = 0;  // how long it has been hidden without a break
+    std::uint32_t hidden_frames = 0;  // how often in a row it was found hidden; kept while it is outside the frustum
     std::uint32_t next_query = 0;     // frame until which a visible leaf is taken for visible
     std::uint32_t confirmed = 0;      // how often in a row a query has found it visible
     bool visible = false;
     bool asked = false;  // a query about it as a visible leaf is under way
+  };
+
+  /// What happened to nodes that had been hidden for so many frames.
+  struct Persistence {
+    double kept = 0.0, all = 0.0;
   };
 
   /// A query under way: for which nodes (a range of asked_), and in which role.
@@ -102,7 +107,6 @@ class Chcpp final : public Method {
     const BvhNode& node = drawing_.bvh().nodes[n];
     ++drawing_.work().nodes;
     const bool was_visible = state.visible && state.last_visited == frame_ - 1;
-    if (state.last_visited != frame_ - 1) state.hidden_frames = 0;  // it was outside: nothing is known
     state.last_visited = frame_;
     if (drawing_.near_or_inside(node.bounds)) {
       came_into_sight(n);
@@ -158,7 +162,23 @@ class Chcpp final : public Method {
 
   // ---- questions
 
-  [[nodiscard]] double keep(std::uint32_t n) const { return keep_probability(state_[n].hidden_frames); }
+  /// Probability that a node stays hidden: the paper's curve, or what this walk has shown so far, starting from it.
+  [[nodiscard]] double keep(std::uint32_t n) const {
+    const double paper = keep_probability(state_[n].hidden_frames);
+    if (!config_.measured) return paper;
+    const Persistence& seen = persistence_[std::min<std::size_t>(state_[n].hidden_frames, persistence_.size() - 1)];
+    constexpr double trust = 32.0;  // observations that weigh as much as the curve
+    return std::min((trust * paper + seen.kept) / (trust + seen.all), 0.9999);
+  }
+
+  void learn(std::uint32_t n, bool hidden) {
+    Persistence& seen = persistence_[std::min<std::size_t>(state_[n].hidden_frames, persistence_.size() - 1)];
+    seen.all += 1.0;
+    seen.kept += hidden ? 1.0 : 0.0;
+    if (seen.all < 4096.0) return;  // what was long ago counts less
+    seen.all *= 0.5;
+    seen.kept *= 0.5;
+  }
 
   /// Queries for the nodes that wait in the i-queue, and for those of a multiquery that failed, one by one.
   void ask_hidden() {
@@ -166,9 +186,8 @@ class Chcpp final : public Method {
     begin_questions();
     for (const std::uint32_t n : singles_) add_question({&n, 1}, false);
     singles_.clear();
-    std::stable_sort(hidden_.begin(), hidden_.end(), [&](std::uint32_t a, std::uint32_t b) {
-      return state_[a].hidden_frames > state_[b].hidden_frames;
-    });
+    std::stable_sort(hidden_.begin(), hidden_.end(),
+                     [&](std::uint32_t a, std::uint32_t b) { return keep(a) > keep(b); });
     std::vector<MultiqueryCandidate> candidates;
     for (const std::uint32_t n : hidden_) candidates.push_back({keep(n), static_cast<double>(state_[n].triangles)});
     for (std::size_t i = 0; i < hidden_.size();) {
@@ -276,6 +295,7 @@ class Chcpp final : public Method {
     }
     for (std::uint32_t i = 0; i < pending.count; ++i) {
       const std::uint32_t n = nodes(i);
+      if (!seen || pending.count == 1) learn(n, !seen);
       if (!seen) {
         ++state_[n].hidden_frames;
       } else if (pending.count > 1) {
@@ -333,6 +353,7 @@ class Chcpp final : public Method {
   TightBounds tight_;
   std::uint64_t revision_ = 0;
   std::vector<NodeState> state_;
+  std::vector<Persistence> persistence_;  // by hidden_frames
   std::uint32_t frame_ = 1;
   NodeQueue distance_;
   std::vector<std::uint32_t> hidden_, singles_, visible_, asked_;  // i-queue; of failed multiqueries; v-queue
@@ -349,34 +370,6 @@ class Chcpp final : public Method {
 
 std::unique_ptr<Method> make_chcpp(SceneDrawing& drawing, const ChcppConfig& config) {
   return std::make_unique<Chcpp>(drawing, config);
-}
-
-std::unique_ptr<Method> make_chcpp(SceneDrawing& drawing, ParameterReader& parameters) {
-  ChcppConfig config;
-  config.deterministic = drawing.context().software();
-  config.batch = config.deterministic ? 0 : 50;
-  std::string form = "paper";
-  int largest = static_cast<int>(config.multiquery.largest);
-  parameters.read("deterministic", config.deterministic);
-  parameters.read("batch", config.batch, 0, 1 << 20);
-  parameters.read("multiqueries", config.multiqueries);
-  parameters.read("value", form);
-  parameters.read("c1", config.multiquery.c1, 0.0, 1e6);
-  parameters.read("largest", largest, 1, 1 << 20);
-  parameters.read("assumed", config.assumed, 0, 1000);
-  parameters.read("random", config.random);
-  parameters.read("adapt", config.adapt);
-  parameters.read("query_cost", config.query_cost, 1, 1 << 30);
-  parameters.read("sigma", config.tight.sigma, 0.0, 100.0);
-  parameters.read("depth", config.tight.depth, 0, 10);
-  parameters.read("open", config.open, 1, 30);
-  parameters.read("threshold", config.threshold, 1, 1 << 24);
-  parameters.read("seed", config.seed, 0, 1 << 30);
-  parameters.finish();
-  if (form != "paper" && form != "slides") throw InputError("", "gl_chcpp: value", "must be paper or slides");
-  config.multiquery.form = form == "paper" ? ValueForm::paper : ValueForm::slides;
-  config.multiquery.largest = static_cast<std::size_t>(largest);
-  return make_chcpp(drawing, config);
 }
 
 }  // namespace sightline::gl

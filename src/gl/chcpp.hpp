@@ -16,6 +16,7 @@ struct ChcppConfig {
   int batch = 0;              // previously hidden nodes that are asked about together; 0: all there are at the time
   bool multiqueries = true;   // several hidden nodes share a query
   MultiqueryConfig multiquery{};
+  bool measured = true;  // p(t) is learnt during the walk, from the paper's curve on; off: the curve
   int assumed = 10;      // a visible leaf is not asked about for 1 .. assumed frames; 0: asked every frame
   bool random = true;    // the first such interval is drawn at random, so that not all leaves ask at once
   bool adapt = true;     // longer intervals for leaves that are cheaper to draw than to query

@@ -5,6 +5,8 @@
 
 #include "gl/chc.hpp"
 #include "gl/chcpp.hpp"
+#include "gl/conditional.hpp"
+#include "gl/device_culling.hpp"
 #include "gl/flat_queries.hpp"
 #include "gl/frustum_method.hpp"
 #include "sightline/scene/input_error.hpp"
@@ -40,6 +42,13 @@ constexpr std::array rows{
     GlAlgorithm{row("gl_chcpp", "the same with batches, multiqueries, assumed visibility and tight bounds",
                     "Mattausch 2008", "22.13-22.19 22.22 22.23 23.01 23.06-23.09 24.01-24.07"),
                 make_chcpp},
+    GlAlgorithm{row("gl_conditional", "the device itself skips what its query found hidden", "-", "22.03"),
+                make_conditional},
+    GlAlgorithm{row("gl_hzb", "two-phase, boxes against a pyramid of depths, all on the device",
+                    "Haar 2015; Greene 1993", "22.04"),
+                make_hzb},
+    GlAlgorithm{row("gl_raster", "two-phase, boxes whose fragments write what is seen", "Boudier 2013", "22.04"),
+                make_raster},
 };
 
 }  // namespace

@@ -26,7 +26,10 @@ layout(location = 2) in vec4 row1;
 layout(location = 3) in vec4 row2;
 layout(location = 4) in uint object;
 layout(location = 5) in vec4 tint;
-out vec3 from_eye;
+#ifdef LIT
+out
+#endif
+vec3 from_eye;
 flat out vec3 colour;
 flat out uint id;
 invariant gl_Position;
@@ -40,16 +43,21 @@ void main() {
 )";
 
 constexpr char object_fragment[] = R"(
+#ifdef LIT
 in vec3 from_eye;
+#endif
 flat in vec3 colour;
 flat in uint id;
 layout(location = 0) out vec4 shaded;
 layout(location = 1) out uint object;
 void main() {
+  shaded = vec4(colour, 1.0);
+#ifdef LIT
   vec3 n = cross(dFdx(from_eye), dFdy(from_eye));
   float facing = abs(dot(n, frame.forward.xyz)) * inversesqrt(max(dot(n, n), 1e-30));
   float sky = abs(n.y) * inversesqrt(max(dot(n, n), 1e-30));
-  shaded = vec4(colour * (0.35 + 0.4 * facing + 0.25 * sky), 1.0);
+  shaded.rgb *= 0.35 + 0.4 * facing + 0.25 * sky;
+#endif
   object = id;
 }
 )";
@@ -123,13 +131,14 @@ Aabb bounds_under(const Affine& transform, const Aabb& box) {
 
 const char* SceneDrawing::frame_block() { return frame_glsl; }
 
-SceneDrawing::SceneDrawing(Context& context, const Scene& scene)
+SceneDrawing::SceneDrawing(Context& context, const Scene& scene, const DrawingConfig& config)
     : context_(context), scene_(scene), bounds_(scene.object_bounds()) {
   upload_meshes();
   upload_objects();
   frame_buffer_ = make_buffer(sizeof(FrameBlock));
   const std::string frame = frame_glsl;
-  object_program_ = make_program(frame + object_vertex, frame + object_fragment);
+  const std::string lit = config.lit ? "#define LIT\n" : "";
+  object_program_ = make_program(frame + lit + object_vertex, frame + lit + object_fragment);
   box_program_ = make_program(frame + box_vertex, std::string("#version 450 core\n") + box_fragment);
 
   object_array_ = make_vertex_array();
@@ -153,6 +162,8 @@ SceneDrawing::SceneDrawing(Context& context, const Scene& scene)
   attribute(box_array_, 0, 0, 3, GL_FLOAT, 0);
   attribute(box_array_, 1, 1, 3, GL_FLOAT, 0);
   attribute(box_array_, 2, 1, 3, GL_FLOAT, sizeof(glm::vec3));
+  boxes_.fill(nullptr, 0);
+  glVertexArrayVertexBuffer(box_array_.name(), 1, boxes_.name(), 0, sizeof(Aabb));
   glVertexArrayBindingDivisor(box_array_.name(), 1, 1);
   context_.check("loading the scene");
 }
@@ -294,7 +305,7 @@ float SceneDrawing::distance2(const Aabb& box) const {
 void SceneDrawing::enter(Mode mode) {
   if (mode_ == mode) return;
   mode_ = mode;
-  glBindBufferBase(GL_UNIFORM_BUFFER, frame_binding, frame_buffer_.name());
+  bind_frame();
   if (mode == Mode::boxes) {
     begin_box_mode(box_program_.name());
     mode_ = Mode::boxes;
@@ -314,7 +325,7 @@ void SceneDrawing::begin_box_mode(unsigned program) {
   if (!boxes_since_draw_) ++work_->state_changes;
   boxes_since_draw_ = true;
   mode_ = Mode::none;
-  glBindBufferBase(GL_UNIFORM_BUFFER, frame_binding, frame_buffer_.name());
+  bind_frame();
   glBindVertexArray(box_array_.name());
   glUseProgram(program);
   glColorMask(GL_FALSE, GL_FALSE, GL_FALSE, GL_FALSE);

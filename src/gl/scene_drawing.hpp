@@ -27,13 +27,17 @@ struct DrawCommand {
   std::uint32_t base_instance;
 };
 
+struct DrawingConfig {
+  bool lit = true;  // colours by object and by the way a surface faces; off: by object alone, about a third cheaper
+};
+
 /// Bindings of buffers that every program sees.
 inline constexpr unsigned frame_binding = 0;
 
 class SceneDrawing {
  public:
   /// Copies the scene into buffers. Context and scene must outlive it. Throws Unavailable if there is no memory.
-  SceneDrawing(Context& context, const Scene& scene);
+  SceneDrawing(Context& context, const Scene& scene, const DrawingConfig& config = {});
 
   [[nodiscard]] Context& context() const { return context_; }
   [[nodiscard]] const Scene& scene() const { return scene_; }
@@ -89,8 +93,10 @@ class SceneDrawing {
   // For methods that run on the device: buffers by object id.
   [[nodiscard]] unsigned bounds_buffer() const { return bounds_buffer_.name(); }      // vec4 lo, vec4 hi
   [[nodiscard]] unsigned commands_buffer() const { return commands_buffer_.name(); }  // DrawCommand
-  /// GLSL: the block of the frame (clip, eye, planes ...), `widen` and `outside` on it.
+  /// GLSL: the version line and the block of the frame (clip, eye, planes ...).
   static const char* frame_block();
+  /// Binds the frame's block for a program of the caller's.
+  void bind_frame() const { glBindBufferBase(GL_UNIFORM_BUFFER, frame_binding, frame_buffer_.name()); }
   /// Leaves every mode: whoever binds programs and state of its own calls this first.
   void leave_mode() { mode_ = Mode::none; }
   /// Binds program and state of box drawing for a program of the caller's.

@@ -94,4 +94,46 @@ std::string chrome_trace(const std::vector<Span>& spans, const std::string& name
   return text + "\n]}\n";
 }
 
+std::string timeline_svg(const std::vector<Span>& spans, std::uint32_t frame, const std::string& name) {
+  double begin = 1e300, end = -1e300;
+  for (const Span& span : spans) {
+    if (span.frame != frame) continue;
+    begin = std::min(begin, span.begin);
+    end = std::max(end, span.end);
+  }
+  if (end <= begin) begin = 0.0, end = 1.0;
+  constexpr double left = 80.0, width = 900.0;
+  const auto x = [&](double t) { return left + width * (t - begin) / (end - begin); };
+  char line[320];
+  std::snprintf(line, sizeof line,
+                "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"1000\" height=\"170\" font-family=\"sans-serif\" "
+                "font-size=\"13\"><rect width=\"100%%\" height=\"100%%\" fill=\"white\"/>\n"
+                "<text x=\"500\" y=\"20\" text-anchor=\"middle\">frame %u of %s: %.2f ms</text>\n",
+                frame, name.c_str(), 1e-3 * (end - begin));
+  std::string svg = line;
+  for (const Lane lane : {Lane::processor, Lane::device}) {
+    const double y = lane == Lane::processor ? 40.0 : 90.0;
+    std::snprintf(line, sizeof line, "<text x=\"8\" y=\"%.0f\">%s</text>\n", y + 24.0,
+                  lane == Lane::processor ? "processor" : "device");
+    svg += line;
+    for (const Span& span : spans) {
+      if (span.frame != frame || span.lane != lane) continue;
+      const char* colour = span.kind == 'D'   ? "#1f6fb4"
+                           : span.kind == 'Q' ? "#e58c2f"
+                           : span.kind == 'R' ? "#2e933c"
+                                              : "#d1495b";
+      const double wide = std::max(1.0, x(span.end) - x(span.begin));
+      std::snprintf(line, sizeof line,
+                    "<rect x=\"%.1f\" y=\"%.0f\" width=\"%.1f\" height=\"38\" fill=\"%s\"/>"
+                    "<text x=\"%.1f\" y=\"%.0f\" fill=\"white\" text-anchor=\"middle\">%s</text>\n",
+                    x(span.begin), y, wide, colour, x(span.begin) + 0.5 * wide, y + 24.0,
+                    wide < 14.0 ? "" : std::string(1, span.kind).c_str());
+      svg += line;
+    }
+  }
+  return svg +
+         "<text x=\"80\" y=\"155\">D drawing, Q querying, R reading results, W waiting for one; the device's clock is "
+         "its own</text>\n</svg>\n";
+}
+
 }  // namespace sightline::gl

@@ -59,4 +59,7 @@ class Timeline {
 /// The spans as a trace that chrome://tracing and Perfetto show: one row for the processor, one for the device.
 std::string chrome_trace(const std::vector<Span>& spans, const std::string& name);
 
+/// One frame as an SVG picture: a row for the processor, one for the device; D drawing, Q querying, R results, W waits.
+std::string timeline_svg(const std::vector<Span>& spans, std::uint32_t frame, const std::string& name);
+
 }  // namespace sightline::gl

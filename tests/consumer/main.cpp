@@ -5,6 +5,9 @@
 #ifdef CONSUMER_HAS_ORACLE
 #include <sightline/oracle/oracle.hpp>
 #endif
+#ifdef CONSUMER_HAS_GL
+#include <gl/registry.hpp>
+#endif
 
 int main() {
   const sightline::Scene scene = sightline::generate_scene("city", {.objects = 300});
@@ -18,6 +21,18 @@ int main() {
   if (visible.count() == 0 || visible.is_all()) return 1;
 #ifdef CONSUMER_HAS_ORACLE
   if (!sightline::judge(sightline::Oracle(scene).look(view), visible).missed.empty()) return 2;
+#endif
+#ifdef CONSUMER_HAS_GL
+  try {
+    sightline::gl::Context context;
+    sightline::gl::MethodCuller chcpp(std::make_shared<sightline::gl::SceneDrawing>(context, scene), "gl_chcpp");
+    sightline::VisibleSet drawn;
+    chcpp.cull(view, sightline::VisibleSet::all(scene.objects().size()), drawn, counters);
+    std::printf("%zu drawn by %s\n", drawn.count(), context.description().c_str());
+    if (drawn.count() == 0 || drawn.count() > visible.count()) return 3;
+  } catch (const sightline::gl::Unavailable& error) {
+    std::printf("skipped: %s\n", error.what());
+  }
 #endif
   return 0;
 }

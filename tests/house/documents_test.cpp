@@ -6,9 +6,13 @@
 #include <memory>
 #include <set>
 #include <string>
+#include <vector>
 
 #include "house/files.hpp"
 #include "sightline/registry.hpp"
+#ifdef SIGHTLINE_HAS_GL
+#include "gl/registry.hpp"
+#endif
 
 namespace sightline::house {
 namespace {
@@ -40,9 +44,18 @@ std::pair<std::string, int> run_tool(const std::string& arguments) {
   return {text, pclose(pipe)};
 }
 
+/// The rows of all tables that the tool joins.
+std::vector<Algorithm> all_rows() {
+  std::vector<Algorithm> rows(algorithms().begin(), algorithms().end());
+#ifdef SIGHTLINE_HAS_GL
+  for (const gl::GlAlgorithm& algorithm : gl::algorithms()) rows.push_back(algorithm.row);
+#endif
+  return rows;
+}
+
 TEST(House, EveryAlgorithmHasAPage) {
   ASSERT_FALSE(algorithms().empty());
-  for (const Algorithm& row : algorithms()) {
+  for (const Algorithm& row : all_rows()) {
     const std::filesystem::path file = root() / "docs/algorithms" / (std::string(row.name) + ".md");
     const std::string page = read_text(file);
     ASSERT_FALSE(page.empty()) << "no page " << file;
@@ -57,7 +70,7 @@ TEST(House, EveryAlgorithmHasAPage) {
 
 TEST(House, EveryPageHasAnAlgorithm) {
   std::set<std::string> names;
-  for (const Algorithm& row : algorithms()) names.insert(std::string(row.name));
+  for (const Algorithm& row : all_rows()) names.insert(std::string(row.name));
   for (const auto& entry : std::filesystem::directory_iterator(root() / "docs/algorithms")) {
     if (entry.path().extension() != ".md") continue;
     EXPECT_EQ(names.count(entry.path().stem().string()), 1u) << entry.path() << " describes no row of the registry";
@@ -67,7 +80,7 @@ TEST(House, EveryPageHasAnAlgorithm) {
 TEST(House, ReadmeTableIsTheRegistry) {
   const auto [table, status] = run_tool("list --markdown");
   ASSERT_EQ(status, 0) << SIGHTLINE_TOOL << " list --markdown failed";
-  for (const Algorithm& row : algorithms()) EXPECT_NE(table.find(std::string(row.name)), std::string::npos) << row.name;
+  for (const Algorithm& row : all_rows()) EXPECT_NE(table.find(std::string(row.name)), std::string::npos) << row.name;
   EXPECT_EQ(between(read_text(root() / "README.md"), "<!-- algorithms: ", "<!-- /algorithms -->"), table)
       << "run ./dev docs";
 }
