@@ -363,7 +363,7 @@ void compression() {
       "ratio %.2f:1 (first-order DPCM %.2f, second-order DPCM %.2f); plane %zu, two planes %zu, second order %zu and "
       "turned %zu, raw %zu\n",
       raw / static_cast<double>(bytes), raw / static_cast<double>(first), raw / static_cast<double>(second), modes[0],
-      modes[1], modes[2], modes[3]);
+      modes[1], modes[2], modes[3], modes[4]);
   std::uint32_t sum = 0;
   const auto run = [&](auto decode) {
     return [&, decode] {

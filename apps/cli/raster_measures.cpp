@@ -136,7 +136,7 @@ Json measure_harmonic(std::uint64_t seed) {
       std::vector<glm::uvec3> triangles;
       std::vector<std::pair<float, std::uint32_t>> by_depth;
       for (std::uint32_t i = 0; i < static_cast<std::uint32_t>(n); ++i) {
-        const double z = random.range(-0.5, 0.5), dx = random.range(-0.4, 0.4), dy = random.range(-0.4, 0.4);
+        const double z = random.range(-0.4, 0.4), dx = random.range(-0.29, 0.29), dy = random.range(-0.29, 0.29);
         for (const auto& [x, y] : {std::pair{-1, -1}, {1, -1}, {1, 1}, {-1, 1}})
           quads.corners.emplace_back(x, y, z + dx * x + dy * y, 1);
         triangles.emplace_back(4 * i, 4 * i + 1, 4 * i + 2);

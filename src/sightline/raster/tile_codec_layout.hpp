@@ -9,7 +9,7 @@
 
 namespace sightline::raster::tile_layout {
 
-inline constexpr int most_width = 15;  // bits of a residual
+inline constexpr int most_width = 15;    // bits of a residual
 inline constexpr int fraction_bits = 2;  // of slopes
 inline constexpr std::size_t widths = 4, predictor = 9, mask = 8;
 inline constexpr std::int32_t largest_slope = (1 << 23) - 1;

@@ -36,7 +36,7 @@ HWY_INLINE void decode_mode(const std::uint8_t* bytes, std::int32_t* out) {
   for (int row = 0; row < 8; ++row, out += 8) {
     const int width = tile_layout::width_of(bytes, row);
     const std::int32_t bias = tile_layout::bias_of(width);
-    alignas(32) std::int32_t wide[8];
+    alignas(32) std::int32_t wide[8] = {};
     std::uint32_t half[2] = {0, 0};
     if (HWY_LIKELY(width <= 8)) {
       // Pixels 0 to 3 lie within the four bytes from 0, pixels 4 to 7 within those from (4 * width) / 8.

@@ -56,8 +56,8 @@ HWY_INLINE std::uint32_t bits_of(M mask) {
 
 // ---- vertices
 
-inline std::uint32_t transform(const float* x, const float* y, const float* z, std::size_t count, const MeshTransform& t,
-                        VertexBuffer& out) {
+inline std::uint32_t transform(const float* x, const float* y, const float* z, std::size_t count,
+                               const MeshTransform& t, VertexBuffer& out) {
   const TF d;
   const TI di;
   const std::size_t n = lanes();
@@ -440,7 +440,7 @@ HWY_NOINLINE void fill_large(const Batch& b, std::size_t k, const Writer& w) {
 
 template <bool Ids, bool Hierarchical>
 inline void draw_all(const VertexBuffer& v, const std::uint8_t* const corner[3], std::size_t count, std::uint32_t id,
-              std::uint32_t id_step, const DrawFlags& flags, ScreenTile& tile, TileCounts& counts) {
+                     std::uint32_t id_step, const DrawFlags& flags, ScreenTile& tile, TileCounts& counts) {
   Batch b;
   const std::size_t n = lanes();
   for (std::size_t i = 0; i < count; i += n) {
@@ -460,8 +460,9 @@ inline void draw_all(const VertexBuffer& v, const std::uint8_t* const corner[3],
   }
 }
 
-inline void draw(const VertexBuffer& v, const std::uint8_t* a, const std::uint8_t* b, const std::uint8_t* c, std::size_t count,
-          std::uint32_t id, std::uint32_t id_step, const DrawFlags& flags, ScreenTile& tile, TileCounts& counts) {
+inline void draw(const VertexBuffer& v, const std::uint8_t* a, const std::uint8_t* b, const std::uint8_t* c,
+                 std::size_t count, std::uint32_t id, std::uint32_t id_step, const DrawFlags& flags, ScreenTile& tile,
+                 TileCounts& counts) {
   const std::uint8_t* const corner[3] = {a, b, c};
   if (flags.ids && flags.hierarchical) return draw_all<true, true>(v, corner, count, id, id_step, flags, tile, counts);
   if (flags.ids) return draw_all<true, false>(v, corner, count, id, id_step, flags, tile, counts);
