@@ -41,7 +41,7 @@ int main() {
     std::printf("%s: %llu triangles, %zu views of 320 x 200\n", kind,
                 static_cast<unsigned long long>(scene.triangle_count()), views.size());
     for (const char* method : {"painter:key=farthest", "painter:key=centroid", "painter:key=nearest",
-                               "painter:split=true", "painter_bsp", "painter_bsp:near_to_far=true", "zbuffer"}) {
+                               "painter:split=on", "painter_bsp", "painter_bsp:near_to_far=on", "zbuffer"}) {
       const auto renderer = make_renderer(method, indexed);
       Frame frame, truth;
       Counters warm_up, counters;

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <filesystem>
 
+#include "arguments.hpp"
 #include "json_output.hpp"
 #include "query_options.hpp"
 #include "scene_argument.hpp"

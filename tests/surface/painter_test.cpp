@@ -83,7 +83,7 @@ TEST(Painter, SortableSceneIsRight) {
   const Scene scene = triangles(all);
   const View view = view_from({0, 0, 16}, {0, 0, -1});
   for (const char* method :
-       {"painter", "painter:key=centroid", "painter:key=nearest", "painter:split=true", "painter_bsp"})
+       {"painter", "painter:key=centroid", "painter:key=nearest", "painter:split=on", "painter_bsp"})
     EXPECT_EQ(error_of(method, scene, view), 0u) << method;
 }
 
@@ -93,13 +93,13 @@ TEST(Painter, CyclicOverlapAndPenetrationNeedCuts) {
   for (const Scene& scene : scenes) {
     for (const char* key : {"farthest", "centroid", "nearest"})
       EXPECT_GT(error_of(std::string("painter:key=") + key, scene, view), 50u) << key;
-    for (const char* method : {"painter:split=true", "painter_bsp", "painter_bsp:near_to_far=true",
+    for (const char* method : {"painter:split=on", "painter_bsp", "painter_bsp:near_to_far=on",
                                "painter_bsp:splitter=random", "painter_bsp:splitter=pca", "painter_bsp:splitter=first"})
       EXPECT_EQ(error_of(method, scene, view), 0u) << method;
     View flat = view;
     flat.projection = Projection::orthographic;
     flat.span_y = 5;
-    for (const char* method : {"painter:split=true", "painter_bsp"}) EXPECT_EQ(error_of(method, scene, flat), 0u);
+    for (const char* method : {"painter:split=on", "painter_bsp"}) EXPECT_EQ(error_of(method, scene, flat), 0u);
   }
 }
 
@@ -112,7 +112,7 @@ TEST(Painter, ErrorIsThatOfTheKeyAndCutsEndIt) {
   View view = view_from(centre + glm::dvec3(0.2, 0.3, 0.9) * size, {-0.2, -0.3, -0.9});
   view.far = 3 * size;
   EXPECT_GT(error_of("painter", scene, view), 0u);
-  EXPECT_EQ(error_of("painter:split=true", scene, view), 0u);
+  EXPECT_EQ(error_of("painter:split=on", scene, view), 0u);
   EXPECT_EQ(error_of("painter_bsp", scene, view), 0u);
 }
 
@@ -123,7 +123,7 @@ TEST(Painter, EverySplitterAndBothOrdersDrawTheSame) {
     Frame truth;
     Oracle(scene).draw(view, truth);
     for (const char* method :
-         {"painter_bsp:near_to_far=true", "painter_bsp:splitter=random", "painter_bsp:splitter=fewest_splits",
+         {"painter_bsp:near_to_far=on", "painter_bsp:splitter=random", "painter_bsp:splitter=fewest_splits",
           "painter_bsp:splitter=balance", "painter_bsp:splitter=pca"}) {
       const Frame other = draw(method, scene, view);
       std::size_t differ = 0;
@@ -140,7 +140,7 @@ TEST(Painter, CoplanarFacesGoToTheLowerId) {
   builder.add_object(wall, identity_affine());
   builder.add_object(wall, identity_affine());
   const Scene scene = builder.build();
-  for (const char* method : {"painter", "painter:split=true", "painter_bsp", "painter_bsp:near_to_far=true"})
+  for (const char* method : {"painter", "painter:split=on", "painter_bsp", "painter_bsp:near_to_far=on"})
     for (const double side : {3.0, -3.0}) {
       const Frame frame = draw(method, scene, view_from({0.1, 0.2, side}, {0, 0, -side}));
       EXPECT_EQ(std::count(frame.object.begin(), frame.object.end(), 1u), 0) << method;
@@ -153,7 +153,7 @@ TEST(Painter, OnlyVisibleObjectsArePainted) {
   const IndexedScene indexed = index_scene(scene);
   VisibleSet some(3);
   some.insert(1);
-  for (const char* method : {"painter", "painter:split=true", "painter_bsp", "whitted", "zbuffer"}) {
+  for (const char* method : {"painter", "painter:split=on", "painter_bsp", "whitted", "zbuffer"}) {
     Frame frame;
     Counters counters;
     make_renderer(method, indexed)->draw(view_from({0, 0, 6}, {0, 0, -1}), some, frame, counters);
@@ -167,7 +167,7 @@ TEST(Painter, OverdrawIsCounted) {  // far to near paints pixels again and again
   const View view = view_from({0.3, 0.2, 4}, {0, 0, -1});
   Counters far_to_near, near_to_far;
   const Frame a = draw("painter_bsp", scene, view, &far_to_near);
-  const Frame b = draw("painter_bsp:near_to_far=true", scene, view, &near_to_far);
+  const Frame b = draw("painter_bsp:near_to_far=on", scene, view, &near_to_far);
   const auto covered = static_cast<std::uint64_t>(
       a.object.size() - static_cast<std::size_t>(std::count(a.object.begin(), a.object.end(), no_object)));
   EXPECT_EQ(near_to_far.pixels_written, covered);
@@ -180,11 +180,11 @@ TEST(Painter, LimitsAndNamesAreClear) {
   const View view = view_from({0, 2, 0}, {1, 0, 0});
   EXPECT_THROW(draw("painter_bsp:most_triangles=100", scene, view), InputError);
   EXPECT_THROW(draw("painter_bsp:most_fragments=100", scene, view), InputError);
-  EXPECT_THROW(draw("painter:split=true:most_fragments=10", scene, view), InputError);
+  EXPECT_THROW(draw("painter:split=on:most_fragments=10", scene, view), InputError);
   EXPECT_THROW(draw("painter:key=colour", scene, view), InputError);
   EXPECT_THROW(draw("painter_bsp:splitter=luck", scene, view), InputError);
   EXPECT_NO_THROW(draw("painter_bsp", SceneBuilder().build(), view));
-  EXPECT_NO_THROW(draw("painter:split=true", SceneBuilder().build(), view));
+  EXPECT_NO_THROW(draw("painter:split=on", SceneBuilder().build(), view));
 }
 
 }  // namespace
