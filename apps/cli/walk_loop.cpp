@@ -1,7 +1,7 @@
 #include "walk_loop.hpp"
 
-#include <malloc.h>
 #include <fmt/format.h>
+#include <malloc.h>
 
 #include <algorithm>
 #include <chrono>
@@ -75,29 +75,22 @@ class Walker {
     for (const std::string& method : options.methods) {
       WalkRun run;
       run.method = method;
-      {
-        const ThreadLimit one(1);  // then all that it allocates is counted
-        const std::size_t before = allocated_bytes();
-        contenders_.push_back({as_usage([&] { return make_culler(method, indexed); }), VisibleSet()});
-        const std::size_t after = allocated_bytes();
-        run.memory_bytes = after > before ? after - before : 0;
-      }
-      run.promise = contenders_.back().culler->approximate()
-                        ? Promise::approximate
-                        : find_algorithm(parse_method(method).name, Family::culler).promise;
       std::unique_ptr<Culler> culler;
       try {
+        const ThreadLimit one(1);  // then all that it allocates is counted
+        const std::size_t before = allocated_bytes();
         culler = as_usage([&] { return make_any_culler(method, indexed); });
+        const std::size_t after = allocated_bytes();
+        run.memory_bytes = after > before ? after - before : 0;
       } catch (const MethodUnavailable& error) {
         if (options.methods.size() == 1) throw;
         warn(fmt::format("{}: skipped: {}", method, error.what()));
         continue;
       }
+      run.promise =
+          culler->approximate() ? Promise::approximate : find_method(parse_method(method).name, Family::culler).promise;
       if (!options.trace.empty() && traced_ == none_traced && start_trace(*culler)) traced_ = contenders_.size();
       contenders_.push_back({std::move(culler), VisibleSet()});
-      WalkRun run;
-      run.method = method;
-      run.promise = find_method(parse_method(method).name, Family::culler).promise;
       report.runs.push_back(std::move(run));
     }
     if (contenders_.empty()) throw MethodUnavailable("none of the methods can run here");

@@ -67,7 +67,7 @@ struct WalkReport {
   std::vector<WalkRun> runs;
   std::vector<WalkPicture> pictures;
   std::string comparison;  // JSON of a comparison of the methods, for the page; empty for none
-  std::string trace;  // timeline of the first method that has one, for --trace
+  std::string trace;       // timeline of the first method that has one, for --trace
 };
 
 /// Sums over the frames of one run. An absent value could not be computed (no truth, no frames).

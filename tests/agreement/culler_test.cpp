@@ -20,9 +20,6 @@ std::vector<Contender> contenders() {
   std::vector<Contender> all;
   for (const Algorithm& row : algorithms())
     if (row.family == Family::culler) all.push_back({std::string(row.name), row.promise});
-  for (const char* setting : {"resolution=0.25", "resolution=1:min_size=0:triangles=1000000", "resolution=0.11",
-                              "resolution=2", "scalar=on:min_size=1", "tight=1.4", "tight=4:resolution=1"})
-    all.push_back({std::string("occlusion_masked:") + setting, Promise::conservative_continuous});
   for (const char* setting :
        {"occlusion_masked:occluders=auto:min_size=1", "occlusion_masked:occluders=auto:auto_budget=100000:resolution=1",
         "occlusion_horizon:columns=16", "occlusion_horizon:columns=4096", "occlusion_hzb:order=random:fan=3:min_size=0",
@@ -38,8 +35,9 @@ std::vector<Contender> contenders() {
        {"bound=ritter:coherence=on", "bound=aabb:meta=on", "bound=aabb:test=clip", "bound=obb_pca", "bound=obb",
         "bound=kdop14:coherence=on", "bound=kdop18", "bound=kdop26:meta=on", "bound=hull", "bound=sphere:meta=on"})
     all.push_back({std::string("frustum_bounds:") + setting, Promise::conservative_continuous});
-  for (const char* setting : {"resolution=0.25", "resolution=1:min_size=0:detail=0:triangles=1000000",
-                              "resolution=0.11", "resolution=2", "scalar=on:min_size=1:detail=0"})
+  for (const char* setting :
+       {"resolution=0.25", "resolution=1:min_size=0:detail=0:triangles=1000000", "resolution=0.11", "resolution=2",
+        "scalar=on:min_size=1:detail=0", "tight=1.4", "tight=4:resolution=1"})
     all.push_back({std::string("occlusion_masked:") + setting, Promise::conservative_continuous});
   all.push_back({"occlusion_masked:resolution=1:centres=on:min_size=1:detail=0", Promise::conservative});
   all.push_back({"frustum_hierarchical:corners=on", Promise::conservative_continuous});

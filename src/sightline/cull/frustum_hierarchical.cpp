@@ -21,7 +21,6 @@ class FrustumHierarchical final : public Culler {
         boxes_(in_tree_order(scene)),
         ranges_(bvh_.nodes.size()),
         last_plane_(bvh_.nodes.size(), 0),
-        found_(255 + 16) {  // the largest leaf
         found_(largest_leaf + 16) {
     for (std::size_t i = bvh_.nodes.size(); i-- > 0;) {
       const BvhNode& node = bvh_.nodes[i];
