@@ -7,6 +7,7 @@
 #include "comparison.hpp"
 #include "interrupt.hpp"
 #include "json_output.hpp"
+#include "methods.hpp"
 #include "report.hpp"
 #include "scene_argument.hpp"
 #include "sightline/registry.hpp"
@@ -16,7 +17,8 @@
 namespace sightline::cli {
 namespace {
 
-/// "all" stands for every culler of the registry, also among others.
+/// "all" stands for every culler of every table, "software" and "gl" for those without and with OpenGL; also among
+/// others.
 std::vector<std::string> methods_of(const CompareOptions& options) {
   std::vector<std::string> methods;
   std::set<std::string> given;
@@ -24,12 +26,13 @@ std::vector<std::string> methods_of(const CompareOptions& options) {
     if (given.insert(method).second) methods.push_back(method);
   };
   for (const std::string& method : options.methods) {
-    if (method == "all") {
-      for (const Algorithm& row : algorithms())
-        if (row.family == Family::culler) add(std::string(row.name));
+    if (method == "all" || method == "software" || method == "gl") {
+      for (const Algorithm& row : all_algorithms())
+        if (row.family == Family::culler && (method == "all" || row.name.starts_with("gl_") == (method == "gl")))
+          add(std::string(row.name));
       continue;
     }
-    as_usage([&] { (void)find_algorithm(parse_method(method).name, Family::culler); });
+    as_usage([&] { (void)find_method(parse_method(method).name, Family::culler); });
     add(method);
   }
   return methods;
@@ -57,7 +60,7 @@ int run_compare(const CompareOptions& options) {
   if (!options.report.empty()) prepare_report(options.report);
 
   const LoadedScene loaded = open_scene(options.scene, options.common);
-  const CameraPath path = open_path(options.path, options.camera, loaded.scene, options.common.seed);
+  const CameraPath path = open_path(options.path, options.camera, loaded, options.common.seed);
   const IndexedScene indexed = index_scene(loaded.scene);
   const Oracle oracle(loaded.scene);
 

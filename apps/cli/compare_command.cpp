@@ -7,7 +7,8 @@ namespace {
 
 void add_compare(CLI::App& app, CompareOptions& options) {
   add_scene(app, options.scene);
-  add_text(app, "--methods", "all|NAME[:KEY=VALUE]...[,...]", "cullers to compare; see sightline list",
+  add_text(app, "--methods", "all|software|gl|NAME[:KEY=VALUE]...[,...]",
+           "cullers to compare: all, those without or with OpenGL, or by name; see sightline list",
            options.methods.front(),
            [&options](const std::string& text) { options.methods = parse_names("--methods", text); });
   add_path(app, options.path);

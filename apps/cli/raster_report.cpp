@@ -138,7 +138,7 @@ int run_raster_report(const RasterReportOptions& options) {
     if (error) throw InputError(options.output, "", "cannot make the folder: " + error.message());
   }
   const LoadedScene loaded = open_scene(options.render.scene, options.common);
-  const View view = single_view(options.render.view, loaded.scene, options.common.seed);
+  const View view = single_view(options.render.view, loaded, options.common.seed);
   Frame plain, hierarchical;
   Json json{{"schema", "sightline.raster-report/1"}, {"scene", options.render.scene}, {"view", describe(view)}};
   json["overdraw"] = measure_overdraw(loaded.scene, view, plain, hierarchical);

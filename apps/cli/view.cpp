@@ -38,13 +38,13 @@ class Answers {
   std::unique_ptr<Oracle> oracle_;
 };
 
-viewer::SessionConfig session_of(const ViewerOptions& options, const Scene& scene) {
+viewer::SessionConfig session_of(const ViewerOptions& options, const LoadedScene& loaded) {
   viewer::SessionConfig config;
   config.scene_argument = options.scene;
   config.methods = options.methods.empty() ? usual_methods : options.methods;
-  config.start = single_view(options.view, scene, options.common.seed);
+  config.start = single_view(options.view, loaded, options.common.seed);
   if (!options.view.eye) {
-    config.path = open_path(options.view.path, options.view.camera, scene, options.common.seed).views;
+    config.path = open_path(options.view.path, options.view.camera, loaded, options.common.seed).views;
     config.path_frame = static_cast<std::size_t>(options.view.frame);
   }
   return config;
@@ -57,7 +57,7 @@ int run_view(const ViewerOptions& options) {
   if (!options.screenshot.empty()) file.emplace(options.screenshot);
   const LoadedScene loaded = open_scene(options.scene, options.common);
   const IndexedScene indexed = index_scene(loaded.scene);
-  viewer::SessionConfig config = session_of(options, loaded.scene);
+  viewer::SessionConfig config = session_of(options, loaded);
   const auto answers = std::make_shared<Answers>(loaded.scene);
   config.explain = [answers](const View& view, ObjectId id, const std::string& method, bool reported) {
     return (*answers)(view, id, method, reported);
