@@ -9,6 +9,7 @@ std::unique_ptr<Method> make_chcpp(SceneDrawing& drawing, ParameterReader& param
   ChcppConfig config;
   config.deterministic = drawing.context().software();
   config.batch = config.deterministic ? 0 : 50;
+  if (config.deterministic) config.tight.depth = 0;  // in software boxes cost more than the objects that they save
   std::string form = "paper";
   int largest = static_cast<int>(config.multiquery.largest);
   parameters.read("deterministic", config.deterministic);

@@ -18,10 +18,11 @@ std::vector<std::string> contenders() {
   std::vector<std::string> all;
   for (const GlAlgorithm& algorithm : algorithms()) all.emplace_back(algorithm.row.name);
   for (const char* setting :
-       {"gl_chc:hierarchy=off", "gl_chc:deterministic=off", "gl_chcpp:deterministic=off:batch=7", "gl_chcpp:batch=5",
-        "gl_chcpp:multiqueries=off:assumed=0", "gl_chcpp:value=slides:random=off:adapt=off", "gl_chcpp:sigma=0:open=3",
-        "gl_chcpp:sigma=4:depth=5", "gl_stop_and_wait:hierarchy=off", "gl_conditional:wait=off:group=100",
-        "gl_frustum:order=far", "gl_hzb:finer=0", "gl_draw_and_wait:first=0", "gl_overlap_free:largest=5"})
+       {"gl_chc:hierarchy=off", "gl_chc:deterministic=off", "gl_chcpp:deterministic=off:batch=7",
+        "gl_chcpp:batch=5:depth=3", "gl_chcpp:multiqueries=off:assumed=0", "gl_chcpp:value=slides:random=off:adapt=off",
+        "gl_chcpp:sigma=0:open=3", "gl_chcpp:sigma=4:depth=5", "gl_stop_and_wait:hierarchy=off",
+        "gl_conditional:wait=off:group=100", "gl_frustum:order=far", "gl_hzb:finer=0", "gl_draw_and_wait:first=0",
+        "gl_overlap_free:largest=5"})
     all.emplace_back(setting);
   return all;
 }
