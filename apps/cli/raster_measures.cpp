@@ -128,8 +128,8 @@ Json measure_harmonic(std::uint64_t seed) {
   Random random(seed);
   Json rows = Json::array();
   for (const int n : {1, 2, 4, 8, 16, 32, 64}) {
-    constexpr int rounds = 60;
-    raster::Target target(32, 32);
+    constexpr int rounds = 240;
+    raster::Target target(16, 16);
     raster::DrawCounts counts, front, back;
     for (int round = 0; round < rounds; ++round) {
       TiltedQuads quads;
@@ -157,7 +157,7 @@ Json measure_harmonic(std::uint64_t seed) {
     }
     double harmonic = 0;
     for (int i = 1; i <= n; ++i) harmonic += 1.0 / i;
-    const std::uint64_t pixels = 32 * 32 * rounds;
+    const std::uint64_t pixels = 16 * 16 * rounds;
     rows.push_back({{"n", n},
                     {"random", per(counts.colour_writes, pixels)},
                     {"front_to_back", per(front.colour_writes, pixels)},
