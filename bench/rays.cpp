@@ -159,14 +159,14 @@ std::vector<Ray> random_rays(const Aabb& bounds, std::size_t count) {
   return rays;
 }
 
-using Tracer = std::function<void(const std::vector<Ray>&, std::vector<RayHit>&)>;
+using TraceAll = std::function<void(const std::vector<Ray>&, std::vector<RayHit>&)>;
 struct Contender {
   std::string name;
-  Tracer trace;
+  TraceAll trace;
 };
 
 template <class One>
-Tracer batch(One one) {
+TraceAll batch(One one) {
   return [one](const std::vector<Ray>& rays, std::vector<RayHit>& hits) {
     for (std::size_t i = 0; i < rays.size(); ++i) hits[i] = one(rays[i]);
   };
@@ -299,8 +299,13 @@ void time_builds(const TriangleSoup& soup) {
   std::vector<Aabb> boxes;
   const double measure = seconds_of([&] { boxes = bounds_of_triangles(soup); });
   std::printf("bounds of triangles: %.1f ns each\n", 1e3 * measure / millions);
-  for (const auto& [name, build] : {std::pair{"sah", build_bvh_sah}, std::pair{"linear", build_bvh_linear},
-                                    std::pair{"extent", build_bvh_extent}, std::pair{"median", build_bvh_median}}) {
+  struct NamedBuilder {
+    const char* name;
+    Bvh (*build)(std::span<const Aabb>, const BvhBuildConfig&);
+  };
+  constexpr NamedBuilder builders[] = {
+      {"sah", build_bvh_sah}, {"linear", build_bvh_linear}, {"extent", build_bvh_extent}, {"median", build_bvh_median}};
+  for (const auto& [name, build] : builders) {
     Bvh bvh;
     Bvh8 wide;
     const double binary = seconds_of([&] { bvh = build(boxes, config); });
@@ -320,6 +325,12 @@ int run(const Scene& scene) {
   const std::vector<Aabb> boxes = bounds_of_triangles(soup);
   const BvhBuildConfig config{.max_leaf_size = static_cast<int>(bvh8_leaf_limit)};
   const Bvh8 sah = build_bvh8(soup), linear = widen(build_bvh_linear(boxes, config), soup);
+  const auto tuned = [&](int leaf, float cost) {
+    Bvh8 tree = widen(build_bvh_sah(boxes, {.max_leaf_size = leaf, .node_cost = cost}), soup);
+    std::printf("leaf %d cost %g: %.1f bytes\n", leaf, cost, double(tree.bytes()) / double(soup.size()));
+    return tree;
+  };
+  const Bvh8 cost2 = tuned(8, 2), cost4 = tuned(8, 4), leaf4 = tuned(4, 2);
   const auto kdtree = find_tracer("kdtree")->make(soup), octree = find_tracer("octree")->make(soup),
              grid = find_tracer("grid")->make(soup);
   const auto peer = [](const char* name, const Tracer& tracer) {
@@ -333,6 +344,9 @@ int run(const Scene& scene) {
       {"embree robust", batch([&](const Ray& r) { return robust.nearest(r); })},
       {"bvh8 sah", batch([&](const Ray& r) { return trace_nearest(sah, r); })},
       {"bvh8 linear", batch([&](const Ray& r) { return trace_nearest(linear, r); })},
+      {"bvh8 cost 2", batch([&](const Ray& r) { return trace_nearest(cost2, r); })},
+      {"bvh8 cost 4", batch([&](const Ray& r) { return trace_nearest(cost4, r); })},
+      {"bvh8 leaf 4", batch([&](const Ray& r) { return trace_nearest(leaf4, r); })},
       peer("kdtree", *kdtree),
       peer("octree", *octree),
       peer("grid", *grid)};

@@ -18,8 +18,8 @@ namespace sightline::cli {
 namespace {
 
 constexpr double none = std::numeric_limits<double>::quiet_NaN();
-constexpr std::uint64_t most_brute_tests = 1'000'000'000;  // brute force sees as many rays as that allows
-constexpr std::size_t most_recorded = 20'000;              // rays whose tests are repeated by themselves
+constexpr std::uint64_t most_brute_tests = 100'000'000;  // brute force sees as many rays as that allows
+constexpr std::size_t most_recorded = 20'000;            // rays whose tests are repeated by themselves
 
 double seconds_since(std::chrono::steady_clock::time_point start) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();

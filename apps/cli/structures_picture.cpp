@@ -181,11 +181,11 @@ std::string draw_cells(const TriangleSoup& soup, int generations, const std::str
 TriangleSoup plane_example() {
   TriangleSoup soup;
   add_fan(soup, {{1.6f, 6.1f}, {2.0f, 5.7f}, {7.3f, 11.0f}, {6.9f, 11.4f}});
-  add_fan(soup, {{8.7f, 9.2f}, {11.3f, 9.2f}, {11.3f, 11.8f}, {8.7f, 11.8f}});
+  add_fan(soup, {{7.5f, 8.6f}, {10.1f, 8.6f}, {10.1f, 11.2f}, {7.5f, 11.2f}});
   std::vector<glm::vec2> circle;
   for (int i = 0; i < 32; ++i) {
     const double angle = 2.0 * 3.14159265358979 * i / 32;
-    circle.emplace_back(12.4 + 1.7 * std::cos(angle), 4.4 + 1.7 * std::sin(angle));
+    circle.emplace_back(11.6 + 1.7 * std::cos(angle), 6.9 + 1.7 * std::sin(angle));
   }
   add_fan(soup, circle);
   return soup;

@@ -99,7 +99,7 @@ TEST(RayTriangle, ThreeTestsAgreeAwayFromEdges) {
         barycentric->alpha * glm::dvec3(a) + barycentric->beta * glm::dvec3(b) + barycentric->gamma * glm::dvec3(c);
     EXPECT_LT(glm::length(p - point_at(ray, barycentric->t)), 1e-9 * (1 + barycentric->t));
   }
-  EXPECT_GT(hits, 200);
+  EXPECT_GT(hits, 50);
 }
 
 TEST(RayTriangle, CornersOfTheBarycentricSpace) {
@@ -136,12 +136,13 @@ TEST(RayTriangle, NoRayPassesBetweenNeighbours) {
     const auto point = [&] {
       return glm::vec3(random.range(-1, 1), random.range(-1, 1), random.range(-0.2, 0.2)) + glm::vec3(100, 0, 0);
     };
-    const glm::vec3 a = point(), b = point(), left = point();
-    const glm::vec3 across = glm::cross(b - a, glm::vec3(0, 0, 1));
-    const float side = glm::dot(left - a, across) > 0 ? -1.0f : 1.0f;
-    const glm::vec3 right = 0.5f * (a + b) + side * across;
+    const glm::vec3 a = point(), b = point();
     const glm::vec3 target = glm::mix(a, b, static_cast<float>(random.range(0.1, 0.9)));
     const glm::vec3 origin = target + 7.0f * glm::vec3(random.range(-0.3, 0.3), random.range(-0.3, 0.3), 1);
+    // To both sides of the edge as the ray sees it.
+    const glm::vec3 across = glm::normalize(glm::cross(b - a, target - origin));
+    const glm::vec3 left = target + static_cast<float>(random.range(0.1, 1)) * across + 0.3f * (b - a);
+    const glm::vec3 right = target - static_cast<float>(random.range(0.1, 1)) * across;
     const Ray ray{origin, 0, target - origin, inf};
     watertight_misses += !hit_triangle_watertight(ray, a, b, left) && !hit_triangle_watertight(ray, b, a, right);
     barycentric_misses += !hit_triangle_barycentric(ray, a, b, left) && !hit_triangle_barycentric(ray, b, a, right);

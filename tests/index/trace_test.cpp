@@ -176,7 +176,9 @@ TEST(Trace, EveryStructureGivesTheHitsOfBruteForce) {
       }
       EXPECT_EQ(differ, 0u) << kind.name << " on " << c.name;
     }
-    if (c.soup.size() > 100) EXPECT_GT(hits, rays.size()) << c.name << ": the rays meet too little";
+    if (c.soup.size() > 100) {
+      EXPECT_GT(hits, rays.size()) << c.name << ": the rays meet too little";
+    }
   }
 }
 
@@ -341,6 +343,13 @@ std::string complaint(const Bvh& bvh, const std::vector<Aabb>& boxes, int max_le
   return static_cast<std::size_t>(std::count(seen.begin(), seen.end(), 1)) == boxes.size() ? "" : "an item is lost";
 }
 
+struct NamedBuilder {
+  const char* name;
+  Bvh (*build)(std::span<const Aabb>, const BvhBuildConfig&);
+};
+constexpr NamedBuilder builders[] = {
+    {"sah", build_bvh_sah}, {"linear", build_bvh_linear}, {"median", build_bvh_median}, {"extent", build_bvh_extent}};
+
 TEST(BvhBuilders, EveryBoxOnceWithinItsNodes) {
   Random random(2);
   for (const std::size_t n : {0, 1, 2, 5, 8, 9, 63, 64, 65, 1000, 5000})
@@ -353,8 +362,7 @@ TEST(BvhBuilders, EveryBoxOnceWithinItsNodes) {
         if (kind == 3) box = {{static_cast<float>(i), 0, 0}, {static_cast<float>(i), 0, 0}};
         boxes.push_back(box);
       }
-      for (const auto& [name, build] : {std::pair{"sah", build_bvh_sah}, std::pair{"linear", build_bvh_linear},
-                                        std::pair{"median", build_bvh_median}, std::pair{"extent", build_bvh_extent}})
+      for (const auto& [name, build] : builders)
         for (const int leaf : {1, 4, 8})
           EXPECT_EQ(complaint(build(boxes, {.max_leaf_size = leaf}), boxes, leaf), "")
               << name << " of " << n << " boxes of kind " << kind << ", leaves of " << leaf;
@@ -389,7 +397,9 @@ TEST(AxisTree, NumberOfChildrenFollowsTheAxes) {
     }
     EXPECT_EQ(children + 1, tree.nodes.size());
     EXPECT_GT(inner, 3u);
-    if (axes == 5u) EXPECT_EQ(children, 4 * inner) << "a quadtree";
+    if (axes == 5u) {
+      EXPECT_EQ(children, 4 * inner) << "a quadtree";
+    }
   }
 }
 

@@ -7,9 +7,6 @@
 namespace sightline {
 namespace {
 
-/// Cells that share their items with others ask for memory; this many per triangle end the splitting.
-constexpr std::size_t most_items_per_triangle = 24;
-
 class Builder {
  public:
   Builder(const TriangleSoup& soup, const AxisTreeConfig& config) : soup_(soup), config_(config) {}
@@ -103,16 +100,17 @@ class Builder {
   /// Items of the children; false if splitting gains nothing.
   bool split(const Task& task, std::uint32_t axes, std::vector<Task>& children) {
     const std::uint32_t n = 1u << std::popcount(axes);
-    std::size_t total = 0;
+    float cost = 0.0f;
     for (std::uint32_t k = 0; k < n; ++k) {
       children.push_back({child_cell(task.cell, axes, k), task.depth + 1, 0, {}});
       for (const std::uint32_t item : task.items)
         if (triangle_touches_box(soup_.triangle(item), children[k].cell, margin_)) children[k].items.push_back(item);
-      total += children[k].items.size();
+      cost += children[k].cell.half_area() * static_cast<float>(children[k].items.size());
     }
-    // Every triangle in (almost) every child, as around a common vertex: E26.
-    const bool no_gain = total > task.items.size() * n * 7 / 8;
-    return !no_gain && tree_.items.size() + total < most_items_per_triangle * soup_.size() + 4096;
+    // E26: by the surface area heuristic, a split must save tests. Around a vertex that many share, and on large
+    // triangles that reach into most children, it does not, however deep one goes.
+    const float area = task.cell.half_area(), before = static_cast<float>(task.items.size()) * area;
+    return cost + config_.node_cost * area < before;
   }
 
   const TriangleSoup& soup_;

@@ -32,6 +32,7 @@ struct AxisTreeConfig {
   bool alternating = false;     // one axis at a time, that in which the cell is longest, instead of all
   bool cube = true;             // the root cell is a cube (a square for two axes), as on the slides; else the bounds
   std::uint32_t leaf_size = 8;  // triangles that are not split further; the slide's "at most one" need not end (E26)
+  float node_cost = 1.0f;       // of visiting a node, in tests of a triangle: what a split must save
   int max_depth = 0;            // 0: from the number of triangles
 };
 

@@ -25,7 +25,12 @@ std::size_t index_of(const Grid& grid, const glm::ivec3& c) {
 
 Aabb box_of(const Grid& grid, const glm::ivec3& c) {
   const glm::dvec3 lo = grid.origin + glm::dvec3(c) * grid.cell;
-  return {glm::vec3(lo), glm::vec3(lo + grid.cell)};
+  Aabb box{glm::vec3(lo), glm::vec3(lo + grid.cell)};
+  for (int axis = 0; axis < 3; ++axis) {  // rounded outwards: far from the origin a float is coarser than the slack
+    box.lo[axis] = std::nextafter(box.lo[axis], -std::numeric_limits<float>::infinity());
+    box.hi[axis] = std::nextafter(box.hi[axis], std::numeric_limits<float>::infinity());
+  }
+  return box;
 }
 
 /// Calls f(cell index) for the cells that a triangle may touch, widened so that rounding of rays loses none.
@@ -134,7 +139,9 @@ Grid build_grid(const TriangleSoup& soup, const GridConfig& config) {
   Grid grid;
   if (soup.size() == 0) return grid;
   grid.space = trace_space(bounds_of(soup));
-  const glm::dvec3 margin(8.0 * static_cast<double>(grid.space.slack));
+  // Never flat, also where all corners lie at one place.
+  const double far = static_cast<double>(reach(grid.space.bounds));
+  const glm::dvec3 margin(std::max(8.0 * static_cast<double>(grid.space.slack), 1e-9 * far));
   grid.origin = glm::dvec3(grid.space.bounds.lo) - margin;
   grid.cell = glm::dvec3(grid.space.bounds.hi) + margin - grid.origin;
   choose_resolution(grid, soup.size(), config);
