@@ -72,7 +72,9 @@ TEST_F(GlProgram, PersistenceMeasuresAndFits) {
   EXPECT_EQ(json.at("t").size(), 50u);
   EXPECT_GT(json.at("I")[0].get<int>(), json.at("I")[10].get<int>());
   for (const auto& p : json.at("p"))
-    if (!p.is_null()) EXPECT_LE(p.get<double>(), 1.0);
+    if (!p.is_null()) {
+      EXPECT_LE(p.get<double>(), 1.0);
+    }
   EXPECT_NE(cli_test::read_file(file("p.svg")).find("0.99 - 0.7"), std::string::npos);
 }
 

@@ -7,6 +7,7 @@
 #include "gl/registry.hpp"
 #include "gl/with_context.hpp"
 #include "sightline/registry.hpp"
+#include "sightline/scene/input_error.hpp"
 
 namespace sightline::gl {
 namespace {
@@ -37,7 +38,9 @@ TEST_F(Drawing, ShowsWhatTheSoftwareRendererShows) {
     ASSERT_EQ(comparison.reference().width, view.width);
     ASSERT_EQ(comparison.reference().colour.size(), truth.object.size());
     // Edges may fall on the other side of a pixel centre: OpenGL snaps vertices to a grid.
-    if (truth.object.size() > 1000) EXPECT_LT(disagreement(truth, comparison.reference()), 0.02) << describe(view);
+    if (truth.object.size() > 1000) {
+      EXPECT_LT(disagreement(truth, comparison.reference()), 0.02) << describe(view);
+    }
   }
 }
 

@@ -62,7 +62,9 @@ TEST(Multiquery, PaperFormStopsWhereTheValueFalls) {
     std::sort(list.begin(), list.end(), [](const auto& a, const auto& b) { return a.keep > b.keep; });
     const std::size_t size = multiquery_size(list, {});
     for (std::size_t n = 2; n <= size; ++n) EXPECT_GT(multiquery_value(list, n, {}), multiquery_value(list, n - 1, {}));
-    if (size < list.size()) EXPECT_LE(multiquery_value(list, size + 1, {}), multiquery_value(list, size, {}));
+    if (size < list.size()) {
+      EXPECT_LE(multiquery_value(list, size + 1, {}), multiquery_value(list, size, {}));
+    }
   }
 }
 
