@@ -29,8 +29,8 @@ Verb detail_command(CLI::App& app);
 namespace {
 
 constexpr Verb (*commands[])(CLI::App&) = {
-    info_command,   list_command,  generate_command, walk_command,
-    render_command, faces_command, bounds_command,   sigma_command,
+    info_command,  list_command,   generate_command, walk_command,   render_command,
+    faces_command, bounds_command, sigma_command,    detail_command,
 };
 
 /// CLI11 names neither a verb that it does not know nor those that there are.
