@@ -69,6 +69,17 @@ TEST_F(Faces, WalkTellsLostPixels) {
   EXPECT_NE(outcome.out.find("pixels lost a frame"), std::string::npos) << outcome.out;
 }
 
+TEST_F(Faces, DetailCountsLostPixels) {
+  const Outcome outcome = run({"detail", "generate:city:objects=400", "--frames", "3", "--size", "160x90", "--method",
+                               "detail:pixels=300", "-o", file("pair.png"), "--json", "-"});
+  ASSERT_EQ(outcome.code, 0) << outcome.err;
+  const Json json = outcome.json();
+  EXPECT_LT(json.at("drawn"), json.at("in_frustum"));
+  EXPECT_GT(json.at("lost_pixels"), 0.0);
+  EXPECT_LT(json.at("lost_pixels"), json.at("covered_pixels"));
+  EXPECT_EQ(read_file(file("pair.png")).substr(1, 3), "PNG");
+}
+
 TEST_F(Faces, Complaints) {
   expect_complaint({"faces", "generate:city:objects=9", "--method", "frustum_linear"}, 2, "face culler");
   expect_complaint({"faces", "generate:city:objects=9", "--method", "normal_mask:n=40"}, 2, "normal_mask");
