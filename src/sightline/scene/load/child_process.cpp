@@ -1,5 +1,6 @@
 #include "sightline/scene/load/child_process.hpp"
 
+#include <fcntl.h>
 #include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -55,7 +56,12 @@ void limit(int resource, std::uint64_t value) {
   for (const int number : {SIGINT, SIGTERM, SIGHUP, SIGSEGV, SIGABRT, SIGBUS, SIGFPE, SIGILL, SIGXCPU})
     std::signal(number, SIG_DFL);
   limit(RLIMIT_CORE, 0);
-  limit(RLIMIT_CPU, 120 + file_size / 1'000'000);
+  // What the library says while it dies is not for the caller's terminal.
+  if (const int nowhere = open("/dev/null", O_WRONLY); nowhere >= 0) {
+    dup2(nowhere, STDOUT_FILENO);
+    dup2(nowhere, STDERR_FILENO);
+  }
+  limit(RLIMIT_CPU, 5 + file_size / 1'000'000);
   const std::uint64_t used = address_space();
   if (limits_memory && used != RLIM_INFINITY) limit(RLIMIT_AS, used + (std::uint64_t{8} << 30) + 64 * file_size);
   ByteSink sink(descriptor);

@@ -21,8 +21,8 @@ class ByteSink {
 };
 
 /// Runs `work` in a child process and returns what it wrote. It may throw before it writes: its message becomes the
-/// reason of an InputError about `file`, as do a crash, more than about 2 minutes of processor time for each 100 MB of
-/// the file, and more memory than 8 GiB and 64 times the file. The work must not use threads or locks of the caller.
+/// reason of an InputError about `file`, as do a crash, more than 5 s of processor time and 1 s for each MB of the
+/// file, and more memory than 8 GiB and 64 times the file. The work must not use threads or locks of the caller.
 Bytes run_in_child(const std::filesystem::path& file, const std::function<void(ByteSink&)>& work);
 
 }  // namespace sightline
