@@ -27,8 +27,7 @@ Verb occluders_command(CLI::App& app);
 namespace {
 
 constexpr Verb (*commands[])(CLI::App&) = {
-    info_command, list_command, generate_command, walk_command, render_command,
-    compare_command, occluders_command,
+    info_command, list_command, generate_command, walk_command, render_command, compare_command, occluders_command,
 };
 
 /// CLI11 names neither a verb that it does not know nor those that there are.
