@@ -367,6 +367,7 @@ int run(const Scene& scene) {
 }  // namespace
 
 int main(int count, char** arguments) {
+  std::setvbuf(stdout, nullptr, _IOLBF, 0);  // what is done is seen, also if the rest is cut off
   try {
     std::vector<std::string> words;  // without what is meant for Google Benchmark's programs
     for (int i = 1; i < count; ++i)
