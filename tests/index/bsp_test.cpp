@@ -1,4 +1,5 @@
-// BSP trees: the worked example, invariants of every tree, depth order, collisions and leaves against brute force.
+// BSP trees: the worked example, invariants of every tree, depth order, collisions and leaves against brute force. So
+// many lines because all of them share the trees and the brute force they are compared with.
 #include "sightline/index/bsp.hpp"
 
 #include <gtest/gtest.h>

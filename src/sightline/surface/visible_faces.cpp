@@ -12,6 +12,8 @@ namespace sightline {
 namespace {
 
 constexpr std::uint32_t no_face = 0xFFFFFFFFu;
+/// Relative difference of depth below which faces are at equal depth; a quarter of the oracle's error.
+constexpr float depth_tie = 1e-6f;
 
 /// All faces in world space, with shared vertices.
 struct World {
@@ -114,7 +116,7 @@ class CameraWork {
     w_near_ = perspective_ ? 1.0 / camera.near : -camera.near;
     w_far_ = perspective_ ? 1.0 / camera.far : -camera.far;
     project();
-    buffer_.assign(pixel_count(), {-std::numeric_limits<float>::infinity(), no_face});
+    buffer_.assign(pixel_count(), {-std::numeric_limits<float>::max(), no_face});
     samples_.assign(world_.faces.size(), 0);
     seen_.assign(world_.faces.size(), 0);
     for (std::uint32_t face = 0; face < world_.faces.size(); ++face)
@@ -223,7 +225,9 @@ class CameraWork {
   void draw(const ImageTriangle& t, std::uint32_t face) {
     scan(t, [&](std::size_t at, double w) {
       const auto near = static_cast<float>(w);
-      if (near > buffer_[at].w) buffer_[at] = {near, face};  // at equal depth the lower face was first
+      Sample& sample = buffer_[at];
+      // Nearer by more than rounding: of coplanar faces the lower one was first and stays.
+      if (near > sample.w + depth_tie * std::abs(sample.w)) sample = {near, face};
     });
   }
 
