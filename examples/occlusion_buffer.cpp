@@ -14,7 +14,7 @@ int main() {
     crates.push_back({at, at + 0.8f});
   }
   // [readme]
-  const std::vector<glm::vec3> corners{{-20, 0, -10}, {20, 0, -10}, {20, 6, -10}, {-20, 6, -10}};
+  const std::vector<glm::vec3> corners{{-4, 0, -10}, {4, 0, -10}, {4, 3, -10}, {-4, 3, -10}};
   const std::vector<glm::uvec3> quad{{0, 1, 2}, {0, 2, 3}};
   const OccluderMesh tower = make_occluder(corners, quad);  // once: for meshes that stay
   Affine turned = identity_affine();                        // mesh to world

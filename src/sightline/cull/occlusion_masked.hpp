@@ -26,7 +26,7 @@ struct OcclusionMaskedConfig {
   double resolution = 0.25;  // buffer pixels per view pixel along each axis, 1/16 to 2
   int triangles = 16000;     // budget of occluder triangles per frame
   double min_size = 24;      // view pixels: objects that look smaller hide too little to be drawn
-  double detail = 4;         // square view pixels per triangle: objects with finer triangles are not drawn
+  double detail = 64;        // square view pixels per triangle: objects with finer triangles are not drawn
   bool centres = false;      // promise pixel centres alone; needs resolution 1
   bool scalar = false;       // run the one-lane reference loops; the answer is the same
   double tight = 1.0;        // sigma of tight occludee bounds (scene/occludee_bounds), 1 for one box per object
