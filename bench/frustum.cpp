@@ -65,7 +65,7 @@ int corners_saved() {
   View view = look_along({0, 0, 0}, {1, 0.2, 0.3});
   view.far = 100;
   const VisibleSet all = VisibleSet::all(scene.objects().size());
-  std::size_t found[2];
+  std::size_t found[2] = {0, 0};
   for (const bool corners : {false, true}) {
     VisibleSet visible;
     Counters counters;

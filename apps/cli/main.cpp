@@ -46,30 +46,11 @@ Verb faces_command(CLI::App& app);
 namespace {
 
 constexpr Verb (*commands[])(CLI::App&) = {
-    info_command,
-    list_command,
-    generate_command,
-    walk_command,
-    compare_command,
-    explain_command,
-    view_command,
-    render_command,
-    raster_report_command,
-    occluders_command,
-    bounds_command,
-    sigma_command,
-    structures_command,
-    persistence_command,
-    queries_command,
-    visible_faces_command,
-    sight_lines_command,
-    maze_command,
-    completion_command,
-    manual_command,
-    bsp_command,
-    boolean_command,
-    detail_command,
-    faces_command,
+    info_command,          list_command,        generate_command,   walk_command,          compare_command,
+    explain_command,       view_command,        render_command,     raster_report_command, occluders_command,
+    bounds_command,        sigma_command,       structures_command, persistence_command,   queries_command,
+    visible_faces_command, sight_lines_command, maze_command,       completion_command,    manual_command,
+    bsp_command,           boolean_command,     detail_command,     faces_command,
 };
 
 /// CLI11 names neither a verb that it does not know nor those that there are.
