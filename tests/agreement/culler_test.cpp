@@ -24,8 +24,7 @@ std::vector<Contender> contenders() {
                               "resolution=2", "scalar=on:min_size=1", "tight=1.4", "tight=4:resolution=1"})
     all.push_back({std::string("occlusion_masked:") + setting, Promise::conservative_continuous});
   for (const char* setting :
-       {"bound=ritter:coherence=on", "bound=aabb:meta=on", "bound=aabb:test=clip", "bound=obb_pca", "bound=obb",
-        "bound=kdop14:coherence=on", "bound=kdop18", "bound=kdop26:meta=on", "bound=hull", "bound=sphere:meta=on"})
+       {"bound=ritter:coherence=on", "bound=aabb:test=clip", "bound=obb", "bound=kdop14:meta=on", "bound=hull"})
     all.push_back({std::string("frustum_bounds:") + setting, Promise::conservative_continuous});
   return all;
 }
