@@ -32,8 +32,7 @@ std::vector<Contender> contenders() {
                               "occlusion_horizon:occluders=boxes", "occlusion_virtual:step=64:pixels=2"})
     all.push_back({setting, Promise::approximate});
   for (const char* setting :
-       {"bound=ritter:coherence=on", "bound=aabb:meta=on", "bound=aabb:test=clip", "bound=obb_pca", "bound=obb",
-        "bound=kdop14:coherence=on", "bound=kdop18", "bound=kdop26:meta=on", "bound=hull", "bound=sphere:meta=on"})
+       {"bound=ritter:coherence=on", "bound=aabb:test=clip", "bound=obb", "bound=kdop14:meta=on", "bound=hull"})
     all.push_back({std::string("frustum_bounds:") + setting, Promise::conservative_continuous});
   for (const char* setting :
        {"resolution=0.25", "resolution=1:min_size=0:detail=0:triangles=1000000", "resolution=0.11", "resolution=2",

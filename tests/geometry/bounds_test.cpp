@@ -41,7 +41,7 @@ double most_outside(const ConvexHull& hull, const std::vector<glm::vec3>& points
         n = glm::cross(glm::dvec3(hull.vertices[f.y]) - a, glm::dvec3(hull.vertices[f.z]) - a);
     const double length = glm::length(n), longest = std::max(glm::distance(hull.vertices[f.x], hull.vertices[f.y]),
                                                              glm::distance(hull.vertices[f.x], hull.vertices[f.z]));
-    if (!(length > 1e-4 * longest * longest)) continue;  // the plane of a sliver says nothing
+    if (!(length > 1e-2 * longest * longest)) continue;  // the plane of a sliver says nothing
     for (const glm::vec3& p : points) worst = std::max(worst, glm::dot(n / length, glm::dvec3(p) - a));
   }
   return worst;
@@ -52,7 +52,10 @@ TEST(Hull, HoldsItsPoints) {
     const ConvexHull hull = convex_hull(points);
     float size = 1e-6f;
     for (const glm::vec3& p : points) size = std::max(size, glm::length(p));
-    EXPECT_LE(most_outside(hull, points), 4e-6 * size);
+    // The faces of a flat set are tilted by rounding; there the reach below is what counts.
+    if (volume(hull) > 1e-4 * std::pow(size, 3)) {
+      EXPECT_LE(most_outside(hull, points), static_cast<double>(hull.slack) + 4e-6 * size);
+    }
     Random random(7);
     for (int i = 0; i < 60 && !points.empty(); ++i) {  // in every direction the hull reaches as far as the points
       const glm::dvec3 d = random.direction();
@@ -148,9 +151,10 @@ TEST(Obb, HoldsItsPointsAndMatrixIsTheBox) {
                   1e-4f * (1 + glm::length(box.centre)));
       }
     }
-    if (points.size() > 3) {
-      EXPECT_LE(volume(boxes[1]), volume(boxes[0]) * 1.001 + 1e-3 * std::max(1.0, volume(boxes[2])));
-      EXPECT_LE(volume(boxes[1]), volume(boxes[2]) * 1.001 + 1e-3);
+    for (const int other : {0, 2}) {  // no larger than the others, which know nothing of the hull's slack
+      Obb grown = boxes[other];
+      if (grown.radii.x >= 0.0f) grown.radii += glm::vec3(hull.slack);
+      EXPECT_LE(volume(boxes[1]), volume(grown) * 1.001 + 1e-9);
     }
   }
 }

@@ -33,8 +33,9 @@ class Quickhull {
       lo = glm::min(lo, p);
       hi = glm::max(hi, p);
     }
-    size_ = points_.empty() ? 0.0 : glm::length(hi - lo) + 1e-7 * glm::length(glm::max(glm::abs(lo), glm::abs(hi)));
-    epsilon_ = 1e-9 * size_;
+    // What lies within a few roundings of float is one plane: slivers of rounding noise have no normal to go by.
+    if (!points_.empty())
+      epsilon_ = 4e-7 * glm::length(hi - lo) + 2e-7 * glm::length(glm::max(glm::abs(lo), glm::abs(hi)));
     if (!start()) return result_;
     for (std::size_t f = 0; f < faces_.size(); ++f)
       while (faces_[f].alive && !faces_[f].outside.empty()) add_farthest(f);
@@ -96,7 +97,7 @@ class Quickhull {
 
   void flat(std::initializer_list<std::uint32_t> ends) {
     for (const std::uint32_t i : ends) result_.vertices.emplace_back(points_[i]);
-    result_.slack = static_cast<float>(2.0 * epsilon_);
+    result_.slack = static_cast<float>(4.0 * epsilon_);
   }
 
   void polygon(std::uint32_t origin, const glm::dvec3& u, const glm::dvec3& normal) {
@@ -109,7 +110,7 @@ class Quickhull {
       result_.faces.push_back({0, i - 1, i});
       result_.faces.push_back({0, i, i - 1});
     }
-    result_.slack = static_cast<float>(2.0 * epsilon_);
+    result_.slack = static_cast<float>(4.0 * epsilon_);
   }
 
   /// Neighbours of the first four faces, by their shared edges.
@@ -209,7 +210,7 @@ class Quickhull {
       }
       result_.faces.push_back(triangle);
     }
-    result_.slack = static_cast<float>(100.0 * epsilon_);
+    result_.slack = static_cast<float>(8.0 * epsilon_);
     if (result_.faces.size() * points_.size() > most_checks) return;
     double outside = 0.0;  // what doubles got wrong, if anything, is made up for by the slack
     for (const Face& face : faces_)
@@ -223,7 +224,7 @@ class Quickhull {
   std::vector<glm::dvec3> points_;
   std::vector<Face> faces_;
   ConvexHull result_;
-  double size_ = 0.0, epsilon_ = 0.0;
+  double epsilon_ = 0.0;
 };
 
 }  // namespace

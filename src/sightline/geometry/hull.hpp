@@ -15,7 +15,7 @@ struct ConvexHull {
   std::vector<glm::vec3> vertices;
   /// Triangles, outside counter-clockwise. A flat hull has both sides; a segment or point has none.
   std::vector<glm::uvec3> faces;
-  /// No point given lies farther outside of the vertices' hull (double rounding only).
+  /// No point given lies farther outside of the vertices' hull (a few roundings of float).
   float slack = 0.0f;
 };
 
