@@ -43,6 +43,23 @@ class GlCuller final : public Culler {
     }
   }
   void reset() override { inner_.reset(); }
+  /// What OpenGL shows when every object is drawn.
+  Truth truth(const View& view) {
+    gl::SceneDrawing& drawing = inner_.drawing();
+    drawing.context().make_current();
+    const std::size_t objects = drawing.scene().objects().size();
+    drawing.begin(view, whole_);
+    drawing.draw(VisibleSet::all(objects).order());
+    std::vector<std::uint32_t> ids;
+    whole_.read_ids(ids);
+    Truth truth{VisibleSet(objects), std::vector<std::uint32_t>(objects), 1};
+    for (const std::uint32_t id : ids) {
+      if (id == no_object) continue;
+      truth.seen.insert(id);
+      ++truth.samples[id];
+    }
+    return truth;
+  }
   void start_timeline() {
     timeline_ = std::make_unique<gl::Timeline>();
     inner_.set_timeline(timeline_.get());
@@ -51,6 +68,7 @@ class GlCuller final : public Culler {
 
  private:
   gl::MethodCuller inner_;
+  gl::Target whole_;
   std::unique_ptr<gl::Timeline> timeline_;
 };
 
@@ -90,6 +108,18 @@ std::unique_ptr<Culler> make_any_culler(std::string_view text, const IndexedScen
   }
 #endif
   return make_culler(text, scene);
+}
+
+const Truth* own_truth([[maybe_unused]] Culler& culler, [[maybe_unused]] const View& view,
+                       std::optional<Truth>& drawn) {
+#ifdef SIGHTLINE_HAS_GL
+  if (auto* gl_culler = dynamic_cast<GlCuller*>(&culler)) {
+    if (!drawn) drawn = gl_culler->truth(view);
+    return &*drawn;
+  }
+#endif
+  (void)drawn;
+  return nullptr;
 }
 
 bool start_trace([[maybe_unused]] Culler& culler) {

@@ -2,12 +2,14 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <stdexcept>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "sightline/core/algorithm.hpp"
+#include "sightline/oracle/oracle.hpp"
 
 namespace sightline::cli {
 
@@ -26,6 +28,11 @@ const Algorithm& find_method(std::string_view name, Family family);
 
 /// As make_culler of the library, for every table. Throws InputError, MethodUnavailable.
 std::unique_ptr<Culler> make_any_culler(std::string_view text, const IndexedScene& scene);
+
+/// The truth that the promise of a culler speaks of where that is not the oracle's: what OpenGL itself shows of the
+/// whole scene, as it snaps vertices to a grid and rays do not. Null for cullers of the library. `drawn` keeps it for
+/// the other methods of the frame.
+const Truth* own_truth(Culler& culler, const View& view, std::optional<Truth>& drawn);
 
 /// Starts to collect the timeline of a culler that has one; false if it has none.
 bool start_trace(Culler& culler);

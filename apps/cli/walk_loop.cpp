@@ -108,7 +108,7 @@ class Walker {
     facts.frustum = frustum_.count();
     std::vector<WalkAnswer> answers(contenders_.size());
     for (std::size_t i = 0; i < contenders_.size(); ++i) answers[i] = cull(view, contenders_[i], report_.runs[i]);
-    std::optional<Truth> truth;
+    std::optional<Truth> truth, drawn;
     if (options_.verify) {
       const auto start = Clock::now();
       truth = oracle_->look(view, options_.samples);
@@ -116,7 +116,10 @@ class Walker {
       facts.truth = truth->seen.count();
     }
     for (std::size_t i = 0; i < contenders_.size(); ++i) {
-      if (truth) compare(*truth, contenders_[i].visible, answers[i]);
+      if (truth) {
+        const Truth* const own = own_truth(*contenders_[i].culler, view, drawn);
+        compare(own != nullptr ? *own : *truth, contenders_[i].visible, answers[i]);
+      }
       if (with_state) answers[i].state = object_states(frustum_, contenders_[i].visible, truth ? &*truth : nullptr);
       report_.runs[i].answers.push_back(std::move(answers[i]));
     }

@@ -26,7 +26,7 @@ class DeviceCulling : public Method {
           "OpenGL has no GL_ARB_indirect_parameters, which draws as many objects as the device has counted");
     find_groups();
     const std::size_t objects = drawing.scene().objects().size();
-    seen_ = make_buffer(std::vector<std::uint32_t>(objects + groups_.size()));
+    seen_ = make_buffer(std::vector<std::uint32_t>(objects + groups_.size(), 1u));  // nothing is known: all of it
     drawn_first_ = make_buffer(objects * sizeof(std::uint32_t));
     commands_ = make_buffer(2 * objects * sizeof(DrawCommand));
     counts_ = make_buffer(std::vector<std::uint32_t>(count_words));
@@ -40,9 +40,8 @@ class DeviceCulling : public Method {
   }
 
   void reset() override {
-    const std::vector<std::uint32_t> nothing(drawing_.scene().objects().size() + groups_.size());
-    glNamedBufferSubData(seen_.name(), 0, static_cast<GLsizeiptr>(nothing.size() * sizeof(std::uint32_t)),
-                         nothing.data());
+    const std::vector<std::uint32_t> all(drawing_.scene().objects().size() + groups_.size(), 1u);
+    glNamedBufferSubData(seen_.name(), 0, static_cast<GLsizeiptr>(all.size() * sizeof(std::uint32_t)), all.data());
   }
 
  protected:

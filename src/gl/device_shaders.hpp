@@ -38,7 +38,7 @@ bool near_or_inside(vec3 lo, vec3 hi) {
   vec3 half_extent = 0.5 * (hi - lo), centre = 0.5 * (lo + hi) - frame.eye.xyz;
   float nearest = dot(frame.forward.xyz, centre) - dot(abs(frame.forward.xyz), half_extent);
   float slack = 4.0 * (frame.eye.w * frame.forward.w + widening_of(lo, hi) + 1e-6 * length(frame.eye.xyz));
-  return nearest <= frame.forward.w + slack + frame.eye.w * abs(nearest);
+  return nearest <= frame.forward.w + slack + 2.0 * frame.eye.w * (frame.size.w == 1 ? abs(nearest) : 1.0);
 }
 
 void append(uint list, uint id) {
@@ -194,13 +194,15 @@ flat in uint flag;
 void main() { if (seen[flag] == 0u) seen[flag] = 1u; }
 )";
 
-/// After the boxes: what is seen and not yet drawn.
+/// After the boxes: what is seen and not yet drawn. Where phase one drew nothing, nothing can be hidden.
 inline constexpr char newly_glsl[] = R"(
 layout(local_size_x = 64) in;
 void main() {
   Group group = groups[gl_WorkGroupID.x];
   if (gl_LocalInvocationID.x >= group.range.y) return;
-  uint id = items[group.range.x + gl_LocalInvocationID.x] & ~no_candidate;
+  uint item = items[group.range.x + gl_LocalInvocationID.x];
+  uint id = item & ~no_candidate;
+  if (counts[0] == 0u && item < no_candidate && !outside(bounds[2u * id].xyz, bounds[2u * id + 1u].xyz)) seen[id] = 1u;
   if (seen[id] != 0u && drawn[id] == 0u) append(1u, id);
 }
 )";

@@ -1,3 +1,5 @@
+// OpenGL 4.5 with direct state access; somewhat above 400 lines because buffers, states and shaders of one drawing
+// stand together.
 #include "gl/scene_drawing.hpp"
 
 #include <algorithm>
@@ -294,7 +296,9 @@ bool SceneDrawing::near_or_inside(const Aabb& box) const {
   const glm::vec3 half = 0.5f * box.extent(), centre = box.centre() - eye_;
   const float nearest = glm::dot(forward_, centre) - glm::dot(glm::abs(forward_), half);
   const float slack = 4.0f * (widening_ * std::max(near_, 0.0f) + 1e-6f * (reach(box) + glm::length(eye_)));
-  return nearest <= near_ + slack + widening_ * std::abs(nearest);
+  // Boxes are widened in proportion to w, which is the distance, or 1 for orthographic views.
+  const float w = view_.projection == Projection::perspective ? std::abs(nearest) : 1.0f;
+  return nearest <= near_ + slack + 2.0f * widening_ * w;
 }
 
 float SceneDrawing::distance2(const Aabb& box) const {

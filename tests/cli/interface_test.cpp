@@ -42,7 +42,7 @@ TEST_F(Interface, BashCompletes) {
   EXPECT_EQ(bash_offers({"sightline", "ex"}), "explain ");
   EXPECT_EQ(bash_offers({"sightline", "walk", "--meth"}), "--method ");
   EXPECT_EQ(bash_offers({"sightline", "walk", "--method", "frustum_l"}), "frustum_linear ");
-  EXPECT_EQ(bash_offers({"sightline", "render", "--method", "zbuf"}), "zbuffer ");
+  EXPECT_EQ(bash_offers({"sightline", "render", "--method", "zbuffer_"}), "zbuffer_tiled ");
   EXPECT_EQ(bash_offers({"sightline", "render", "--show", "d"}), "depth ");
   EXPECT_EQ(bash_offers({"sightline", "generate", "fo"}), "forest ");
   EXPECT_EQ(bash_offers({"sightline", "walk", "--seed", "1"}), " ");

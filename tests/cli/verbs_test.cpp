@@ -1,5 +1,6 @@
 // The other verbs: info, list, generate, render.
 #include "cli/program.hpp"
+#include "methods.hpp"
 #include "sightline/registry.hpp"
 #include "sightline/scene/generate/generate.hpp"
 
@@ -12,16 +13,16 @@ class Verbs : public ProgramTest {};
 
 TEST_F(Verbs, ListIsTheRegistry) {
   const Json json = run({"list", "--json", "-"}).json();
-  ASSERT_EQ(json.at("algorithms").size(), algorithms().size());
-  for (std::size_t i = 0; i < algorithms().size(); ++i) {
+  ASSERT_EQ(json.at("algorithms").size(), cli::all_algorithms().size());
+  for (std::size_t i = 0; i < cli::all_algorithms().size(); ++i) {
     const Json& row = json.at("algorithms")[i];
-    EXPECT_EQ(row.at("name"), algorithms()[i].name);
-    EXPECT_EQ(row.at("promise"), to_string(algorithms()[i].promise));
+    EXPECT_EQ(row.at("name"), cli::all_algorithms()[i].name);
+    EXPECT_EQ(row.at("promise"), to_string(cli::all_algorithms()[i].promise));
     for (const char* key : {"family", "paper", "checklist", "summary"}) EXPECT_TRUE(row.at(key).is_string());
   }
   EXPECT_EQ(json.at("generators").size(), generators().size());
   const Outcome text = run({"list"}), markdown = run({"list", "--markdown"});
-  for (const Algorithm& row : algorithms()) {
+  for (const Algorithm& row : cli::all_algorithms()) {
     EXPECT_NE(text.out.find(row.name), std::string::npos);
     EXPECT_NE(markdown.out.find("| [`" + std::string(row.name) + "`](docs/algorithms/"), std::string::npos);
   }

@@ -1,4 +1,5 @@
 // Every tracing structure against brute force, bit by bit, on soups that make them go wrong, and with rays that do.
+// So many lines because all structures are put through the same soups and rays.
 #include <gtest/gtest.h>
 #include <hwy/highway.h>
 
