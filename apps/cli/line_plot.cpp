@@ -33,7 +33,8 @@ Scale scale_of(const LinePlot& plot) {
       scale.x1 = std::max(scale.x1, x);
       highest = std::max(highest, y);
     }
-  if (scale.x0 > scale.x1) scale.x0 = scale.x1 = 1.0;
+  if (scale.x0 > scale.x1) scale.x0 = 1.0, scale.x1 = 1.0;
+  if (scale.x0 == scale.x1) scale.x1 = scale.x0 + 1.0;
   if (plot.y_low == 0.0 && plot.y_high == 0.0) scale.y1 = highest > 0.0 ? 1.05 * highest : 1.0;
   return scale;
 }

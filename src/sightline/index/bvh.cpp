@@ -35,15 +35,15 @@ struct Box {
     if (lo.v[0] > hi.v[0]) return {};
     return {{lo.v[0], lo.v[1], lo.v[2]}, {hi.v[0], hi.v[1], hi.v[2]}};
   }
-  /// Twice the centre.
-  [[nodiscard]] Vector centre() const { return {lo.v + hi.v}; }
+  /// A quarter of the centre: sums and differences of the largest floats stay finite.
+  [[nodiscard]] Vector centre() const { return {lo.v * 0.125f + hi.v * 0.125f}; }
   [[nodiscard]] float half_area() const {
     const Vector e{hi.v - lo.v};
     return e.v[0] < 0.0f ? 0.0f : e.v[0] * e.v[1] + e.v[1] * e.v[2] + e.v[2] * e.v[0];
   }
 };
 
-/// A range of boxes that becomes a node. `centres` bounds twice the centres of its boxes.
+/// A range of boxes that becomes a node. `centres` bounds centre() of its boxes.
 struct Range {
   std::uint32_t node, begin, end;
   Box bounds, centres;
@@ -135,8 +135,8 @@ class Builder {
     return range;
   }
 
-  [[nodiscard]] int bin_of(float twice_centre, int axis) const {
-    return std::min(static_cast<int>((twice_centre - from_.v[axis]) * per_unit_.v[axis]), bins_used_ - 1);
+  [[nodiscard]] int bin_of(float centre, int axis) const {
+    return std::min(static_cast<int>((centre - from_.v[axis]) * per_unit_.v[axis]), bins_used_ - 1);
   }
 
   /// Moves the left side's boxes to the front; returns where the right side begins.
@@ -146,8 +146,7 @@ class Builder {
     const int axis = best.axis;
     std::uint32_t left = range.begin, right = range.end;
     const auto goes_left = [&](const Box& box) {
-      const float twice_centre = box.lo.v[axis] + box.hi.v[axis];
-      return bin_of(twice_centre, axis) <= best.bin;
+      return bin_of(box.lo.v[axis] * 0.125f + box.hi.v[axis] * 0.125f, axis) <= best.bin;
     };
     while (true) {
       for (; left < right && goes_left(boxes_[left]); ++left) left_centres.extend_by(boxes_[left].centre());
