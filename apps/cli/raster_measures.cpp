@@ -214,7 +214,8 @@ Json measure_compression(const View& view, const Frame& frame) {
             {"two_planes", modes[1]},
             {"second_order", modes[2]},
             {"second_order_turned", modes[3]},
-            {"raw", modes[4]}}},
+            {"mixed", modes[4]},
+            {"raw", modes[5]}}},
           {"histogram", histogram}};
 }
 

@@ -4,29 +4,96 @@
 #include <bit>
 #include <cmath>
 #include <cstdlib>
-#include <span>
 
 #include "sightline/raster/tile_codec_layout.hpp"
 
 namespace sightline::raster {
 namespace {
 
-using tile_layout::Predictor;
+using tile_layout::Mixed;
+using tile_layout::Plane;
+using tile_layout::SecondOrder;
 using Residuals = std::array<std::int64_t, 64>;
 
-/// Bits that hold v + 2^(bits-1) without sign.
+constexpr std::uint64_t every_pixel = ~std::uint64_t{0};
+
+bool has(std::uint64_t members, std::size_t i) { return ((members >> i) & 1) != 0; }
+
+/// Bits that hold v with its sign.
 int bits_for(std::int64_t v) {
   if (v == 0) return 0;
-  const auto magnitude = static_cast<std::uint64_t>(v < 0 ? -v - 1 : v);
-  return static_cast<int>(std::bit_width(magnitude)) + 1;
+  return static_cast<int>(std::bit_width(static_cast<std::uint64_t>(v < 0 ? -v - 1 : v))) + 1;
 }
 
-/// Least squares through the pixels of `members`; the constant is what the residuals are centred on.
-Predictor fit(const DepthTile& tile, std::uint64_t members) {
+bool fits(std::int64_t v, int bits) { return bits_for(v) <= bits; }
+
+std::size_t whole_bytes(std::size_t bits) { return (bits + 7) / 8; }
+
+DepthTile turned(const DepthTile& tile) {
+  DepthTile result;
+  for (std::size_t i = 0; i < 64; ++i) result[i % 8 * 8 + i / 8] = tile[i];
+  return result;
+}
+
+// ---- rows of residuals
+
+void write_row(std::uint8_t* row, int width, const std::int64_t* values) {
+  for (int i = 0; i < 8; ++i) {
+    const int bit = i * width;
+    std::uint32_t word = 0;
+    std::memcpy(&word, row + bit / 8, sizeof word);
+    word |= (static_cast<std::uint32_t>(values[i]) & ((1u << width) - 1)) << (bit % 8);
+    std::memcpy(row + bit / 8, &word, sizeof word);
+  }
+}
+
+std::int32_t read_field(const std::uint8_t* row, int width, int i) {
+  if (width == 0) return 0;
+  std::uint32_t word = 0;
+  std::memcpy(&word, row + i * width / 8, sizeof word);
+  return static_cast<std::int32_t>(word << (32 - width - i * width % 8)) >> (32 - width);
+}
+
+/// Writes the header and the residuals after `used` bytes of prediction; false if nothing is gained.
+bool finish(const Residuals& residuals, std::size_t used, TileMode mode, PackedTile& out) {
+  std::uint32_t header = 0;
+  std::size_t size = tile_layout::header + used;
+  for (std::size_t row = 0; row < 8; ++row) {
+    int bits = 0;
+    for (std::size_t i = 0; i < 8; ++i) bits = std::max(bits, bits_for(residuals[8 * row + i]));
+    if (bits >= tile_layout::widths) return false;
+    header |= static_cast<std::uint32_t>(bits) << (4 * row);
+    size += static_cast<std::size_t>(bits);
+  }
+  if (size >= raw_tile_bytes) return false;
+  tile_layout::write<4>(out.bytes.data(), static_cast<std::int32_t>(header));
+  std::uint8_t* p = out.bytes.data() + tile_layout::header + used;
+  std::fill(p, out.bytes.data() + out.bytes.size(), std::uint8_t{0});
+  for (int row = 0; row < 8; ++row) {
+    const int width = tile_layout::width_of(header, row);
+    write_row(p, width, residuals.data() + static_cast<std::ptrdiff_t>(8 * row));
+    p += width;
+  }
+  out.size = static_cast<std::uint8_t>(size);
+  out.mode = mode;
+  return true;
+}
+
+// ---- planes
+
+struct RealPlane {
+  double z = 0, dx = 0, dy = 0;
+  [[nodiscard]] double at(std::size_t i) const {
+    return z + dx * static_cast<double>(i % 8) + dy * static_cast<double>(i / 8);
+  }
+};
+
+/// Least squares through the pixels of `members`.
+RealPlane least_squares(const DepthTile& tile, std::uint64_t members) {
   double n = 0, sx = 0, sy = 0, sz = 0, sxx = 0, sxy = 0, syy = 0, sxz = 0, syz = 0;
   const double origin = tile[static_cast<std::size_t>(std::countr_zero(members))];
   for (std::size_t i = 0; i < 64; ++i) {
-    if (((members >> i) & 1) == 0) continue;
+    if (!has(members, i)) continue;
     const double x = static_cast<double>(i % 8), y = static_cast<double>(i / 8), z = tile[i] - origin;
     n += 1;
     sx += x;
@@ -40,86 +107,84 @@ Predictor fit(const DepthTile& tile, std::uint64_t members) {
   }
   const double axx = sxx - sx * sx / n, axy = sxy - sx * sy / n, ayy = syy - sy * sy / n;
   const double bx = sxz - sx * sz / n, by = syz - sy * sz / n, det = axx * ayy - axy * axy;
-  double dx = 0, dy = 0;
+  RealPlane p;
   if (det > 1e-6) {
-    dx = (bx * ayy - by * axy) / det;
-    dy = (by * axx - bx * axy) / det;
+    p.dx = (bx * ayy - by * axy) / det;
+    p.dy = (by * axx - bx * axy) / det;
   } else if (axx > 1e-6) {
-    dx = bx / axx;
+    p.dx = bx / axx;
   } else if (ayy > 1e-6) {
-    dy = by / ayy;
+    p.dy = by / ayy;
   }
-  constexpr double one = 1 << tile_layout::fraction_bits;
-  const auto slope = [](double v) {
-    return static_cast<std::int32_t>(
-        std::clamp(std::round(v * one), -1.0 * tile_layout::largest_slope, 1.0 * tile_layout::largest_slope));
-  };
-  Predictor p{0, slope(dx), slope(dy)};
-  std::int64_t least = INT64_MAX, most = INT64_MIN;
-  for (std::size_t i = 0; i < 64; ++i) {
-    if (((members >> i) & 1) == 0) continue;
-    const std::int64_t r = static_cast<std::int64_t>(tile[i]) - p.at(static_cast<int>(i % 8), static_cast<int>(i / 8));
-    least = std::min(least, r);
-    most = std::max(most, r);
-  }
-  p.z = static_cast<std::int32_t>(std::clamp<std::int64_t>((least + most + 1) / 2, 0, 0xFFFFFF));
+  p.z = origin + (sz - p.dx * sx - p.dy * sy) / n;
   return p;
 }
 
-/// Writes header and residuals after `used` bytes of predictors; false if a residual is too wide or nothing is gained.
-bool finish(const Residuals& residuals, std::size_t used, TileMode mode, PackedTile& out) {
-  std::array<int, 8> width{};
-  std::size_t size = used;
-  for (std::size_t row = 0; row < 8; ++row) {
-    for (std::size_t i = 0; i < 8; ++i) width[row] = std::max(width[row], bits_for(residuals[8 * row + i]));
-    if (width[row] > tile_layout::most_width) return false;
-    size += static_cast<std::size_t>(width[row]);
+struct Spread {
+  double least, most;
+  std::size_t at_least, at_most;
+};
+
+/// Range of what the pixels lie above the plane.
+Spread spread(const DepthTile& tile, std::uint64_t members, const RealPlane& p) {
+  Spread s{1e300, -1e300, 0, 0};
+  for (std::size_t i = 0; i < 64; ++i) {
+    if (!has(members, i)) continue;
+    const double above = tile[i] - p.at(i);
+    if (above < s.least) s.least = above, s.at_least = i;
+    if (above > s.most) s.most = above, s.at_most = i;
   }
-  if (size >= raw_tile_bytes) return false;
-  for (std::size_t row = 0; row < 4; ++row)
-    out.bytes[row] = static_cast<std::uint8_t>(width[2 * row] | (width[2 * row + 1] << 4));
-  std::uint8_t* p = out.bytes.data() + used;
-  for (std::size_t row = 0; row < 8; ++row) {
-    std::uint64_t half[2] = {0, 0};
-    for (std::size_t i = 0; i < 8 && width[row] > 0; ++i)
-      half[i / 4] |= static_cast<std::uint64_t>(residuals[8 * row + i] + tile_layout::bias_of(width[row]))
-                     << (static_cast<int>(i % 4) * width[row]);
-    for (int bit = 0; bit < 8 * width[row]; bit += 4) {
-      const int of_half = bit < 4 * width[row] ? bit : bit - 4 * width[row];
-      const auto nibble = static_cast<std::uint8_t>((half[bit < 4 * width[row] ? 0 : 1] >> of_half) & 15);
-      p[bit / 8] = static_cast<std::uint8_t>(bit % 8 == 0 ? nibble : p[bit / 8] | (nibble << 4));
+  return s;
+}
+
+/// The plane for the pixels of `members`: least squares, then tilted towards the smallest range of residuals (codes of
+/// a flat surface are rounded, so a range below one means that no residual is left), and centred on it.
+Plane fit(const DepthTile& tile, std::uint64_t members) {
+  RealPlane p = least_squares(tile, members), best = p;
+  Spread s = spread(tile, members, p), best_spread = s;
+  double step = 0.02;
+  for (int round = 0; round < 16 && best_spread.most - best_spread.least >= 0.98; ++round, step *= 0.85) {
+    const double tilt = step * std::min(s.most - s.least, 4.0) / 8.0;
+    p.dx += tilt * (static_cast<double>(s.at_most % 8) - static_cast<double>(s.at_least % 8));
+    p.dy += tilt * (static_cast<double>(s.at_most / 8) - static_cast<double>(s.at_least / 8));
+    s = spread(tile, members, p);
+    if (s.most - s.least < best_spread.most - best_spread.least) {
+      best = p;
+      best_spread = s;
     }
-    p += width[row];
   }
-  out.size = static_cast<std::uint16_t>(size);
-  out.mode = mode;
-  return true;
+  constexpr double one = 1 << tile_layout::fraction_bits, largest = (1 << 23) - 1;
+  const auto slope = [&](double v) {
+    return static_cast<std::int32_t>(std::clamp(std::round(v * one), -largest, largest));
+  };
+  Plane plane{0, slope(best.dx), slope(best.dy)};
+  double least = 1e300, most = -1e300;
+  for (std::size_t i = 0; i < 64; ++i) {
+    if (!has(members, i)) continue;
+    const double above =
+        tile[i] * one - (plane.dx * static_cast<double>(i % 8) + plane.dy * static_cast<double>(i / 8));
+    least = std::min(least, above);
+    most = std::max(most, above);
+  }
+  const auto centre = static_cast<std::int64_t>(std::round(0.5 * (least + most + one - 1.0)));
+  plane.z = static_cast<std::uint32_t>(centre);
+  return plane;
 }
 
-void write_predictor(std::uint8_t* at, const Predictor& p) {
-  tile_layout::write24(at, p.z);
-  tile_layout::write24(at + 3, p.dx);
-  tile_layout::write24(at + 6, p.dy);
-}
-
-bool encode_planes(const DepthTile& tile, std::uint64_t far, PackedTile& out) {
-  const bool two = far != 0;
-  const Predictor near_plane = fit(tile, ~far), far_plane = two ? fit(tile, far) : near_plane;
+bool encode_planes(const DepthTile& tile, std::uint64_t second, PackedTile& out) {
+  const bool two = second != 0;
+  const Plane first_plane = fit(tile, ~second), second_plane = two ? fit(tile, second) : first_plane;
   Residuals residuals;
   for (std::size_t i = 0; i < 64; ++i) {
-    const Predictor& p = ((far >> i) & 1) != 0 ? far_plane : near_plane;
+    const Plane& p = has(second, i) ? second_plane : first_plane;
     residuals[i] = static_cast<std::int64_t>(tile[i]) - p.at(static_cast<int>(i % 8), static_cast<int>(i / 8));
   }
-  std::size_t used = tile_layout::widths;
-  write_predictor(out.bytes.data() + used, near_plane);
-  used += tile_layout::predictor;
-  if (two) {
-    std::memcpy(out.bytes.data() + used, &far, sizeof far);
-    used += tile_layout::mask;
-    write_predictor(out.bytes.data() + used, far_plane);
-    used += tile_layout::predictor;
-  }
-  return finish(residuals, used, two ? TileMode::two_planes : TileMode::plane, out);
+  std::uint8_t* at = out.bytes.data() + tile_layout::header;
+  tile_layout::write_plane(at, first_plane);
+  if (!two) return finish(residuals, tile_layout::predictor, TileMode::plane, out);
+  std::memcpy(at + tile_layout::predictor, &second, sizeof second);
+  tile_layout::write_plane(at + tile_layout::predictor + tile_layout::mask, second_plane);
+  return finish(residuals, 2 * tile_layout::predictor + tile_layout::mask, TileMode::two_planes, out);
 }
 
 /// Pixels beyond the largest gap between neighbouring depths; 0 if there is but one depth.
@@ -137,71 +202,137 @@ std::uint64_t far_side(const DepthTile& tile) {
   return far;
 }
 
-/// Row 0 from a line; the step from row 0 to row 1 from a line; from then on what the last step predicts.
+/// Moves pixels to the plane that is nearer to them, until that changes nothing (k-means with planes).
+std::uint64_t settled(const DepthTile& tile, std::uint64_t second) {
+  for (int round = 0; round < 5; ++round) {
+    if (second == 0 || second == every_pixel) return 0;
+    const RealPlane a = least_squares(tile, ~second), b = least_squares(tile, second);
+    std::uint64_t next = 0;
+    for (std::size_t i = 0; i < 64; ++i)
+      if (std::abs(tile[i] - b.at(i)) < std::abs(tile[i] - a.at(i))) next |= std::uint64_t{1} << i;
+    if (next == second) break;
+    second = next;
+  }
+  return second == every_pixel ? 0 : second;
+}
+
+// ---- differences
+
+/// Coefficient and constant of the line through v(first..last) by least squares, so that v(i) ~ constant + i * slope.
+template <class Value>
+std::array<double, 2> line(std::size_t first, std::size_t last, Value&& v) {
+  double n = 0, sx = 0, sy = 0, sxx = 0, sxy = 0;
+  for (std::size_t i = first; i <= last; ++i) {
+    const auto x = static_cast<double>(i), y = static_cast<double>(v(i));
+    n += 1;
+    sx += x;
+    sy += y;
+    sxx += x * x;
+    sxy += x * y;
+  }
+  const double slope = (sxy - sx * sy / n) / (sxx - sx * sx / n);
+  return {(sy - slope * sx) / n, slope};
+}
+
+/// Half way between the least and the greatest of v(first..last).
+template <class Value>
+std::int64_t middle(std::size_t first, std::size_t last, Value&& v) {
+  std::int64_t least = INT64_MAX, most = INT64_MIN;
+  for (std::size_t i = first; i <= last; ++i) {
+    least = std::min<std::int64_t>(least, v(i));
+    most = std::max<std::int64_t>(most, v(i));
+  }
+  return (least + most + 1) >> 1;
+}
+
 bool encode_second_order(const DepthTile& tile, TileMode mode, PackedTile& out) {
   const auto value = [&](std::size_t row, std::size_t i) { return static_cast<std::int64_t>(tile[8 * row + i]); };
+  const auto step = [&](std::size_t i) { return value(1, i) - value(0, i); };
+  constexpr double one = 1 << tile_layout::slope_bits;
+  const auto slope = std::llround(line(0, 7, [&](std::size_t i) { return value(0, i); })[1] * one);
+  const auto step_slope = std::llround(line(0, 7, step)[1] * one);
+  const auto along = [](std::int64_t s, std::size_t i) {
+    return (s * static_cast<std::int64_t>(i)) >> tile_layout::slope_bits;
+  };
+  const std::int64_t z = middle(0, 7, [&](std::size_t i) { return value(0, i) - along(slope, i); });
+  const std::int64_t first = middle(0, 7, [&](std::size_t i) { return step(i) - along(step_slope, i); });
+  if (!fits(slope, 16) || !fits(step_slope, 16) || !fits(first, 16) || z < 0 || z > 0xFFFFFF) return false;
   Residuals residuals;
-  const Predictor line = fit(tile, 0xFF);
-  std::array<std::int64_t, 8> step;
   for (std::size_t i = 0; i < 8; ++i) {
-    residuals[i] = value(0, i) - line.at(static_cast<int>(i), 0);
-    step[i] = value(1, i) - value(0, i);
+    residuals[i] = value(0, i) - z - along(slope, i);
+    residuals[8 + i] = step(i) - first - along(step_slope, i);
   }
-  // The line of the first steps goes through its ends; its constant is centred.
-  constexpr std::int64_t one = 1 << tile_layout::fraction_bits;
-  const std::int64_t slope =
-      std::clamp<std::int64_t>((step[7] - step[0]) * one / 7, -tile_layout::largest_slope, tile_layout::largest_slope);
-  const auto at = [&](std::size_t i) { return (static_cast<std::int64_t>(i) * slope) >> tile_layout::fraction_bits; };
-  std::int64_t least = INT64_MAX, most = INT64_MIN;
-  for (std::size_t i = 0; i < 8; ++i) {
-    least = std::min(least, step[i] - at(i));
-    most = std::max(most, step[i] - at(i));
-  }
-  const std::int64_t base = (least + most + 1) / 2;
-  if (std::abs(base) > tile_layout::largest_slope) return false;
-  for (std::size_t i = 0; i < 8; ++i) residuals[8 + i] = step[i] - base - at(i);
   for (std::size_t row = 2; row < 8; ++row)
     for (std::size_t i = 0; i < 8; ++i)
       residuals[8 * row + i] = value(row, i) - 2 * value(row - 1, i) + value(row - 2, i);
-  write_predictor(out.bytes.data() + tile_layout::widths, {line.z, line.dx, static_cast<std::int32_t>(slope)});
-  tile_layout::write24(out.bytes.data() + tile_layout::widths + tile_layout::predictor,
-                       static_cast<std::int32_t>(base));
-  return finish(residuals, tile_layout::widths + tile_layout::predictor + 3, mode, out);
+  tile_layout::write_second_order(out.bytes.data() + tile_layout::header,
+                                  {static_cast<std::int32_t>(z), static_cast<std::int32_t>(slope),
+                                   static_cast<std::int32_t>(first), static_cast<std::int32_t>(step_slope)});
+  return finish(residuals, tile_layout::second_order, mode, out);
 }
 
-void encode_raw(const DepthTile& tile, PackedTile& out) {
+bool encode_mixed(const DepthTile& tile, PackedTile& out) {
+  std::array<std::int64_t, 64> difference;
+  const auto value = [&](std::size_t x, std::size_t y) { return static_cast<std::int64_t>(tile[8 * y + x]); };
+  for (std::size_t y = 0; y < 8; ++y)
+    for (std::size_t x = 0; x < 8; ++x)
+      difference[8 * y + x] = value(x, y) - (x > 0 ? value(x - 1, y) : 0) - (y > 0 ? value(x, y - 1) : 0) +
+                              (x > 0 && y > 0 ? value(x - 1, y - 1) : 0);
+  const auto right = [&](std::size_t x) { return difference[x]; };
+  const auto down = [&](std::size_t y) { return difference[8 * y]; };
+  const auto bend = [](double v) { return std::llround(std::clamp(v, -128.0, 127.0)); };
+  const std::int64_t bend_x = bend(line(1, 7, right)[1]), bend_y = bend(line(1, 7, down)[1]);
+  const auto index = [](std::size_t i) { return static_cast<std::int64_t>(i) - 1; };
+  const std::int64_t first_right = middle(1, 7, [&](std::size_t x) { return right(x) - index(x) * bend_x; });
+  const std::int64_t first_down = middle(1, 7, [&](std::size_t y) { return down(y) - index(y) * bend_y; });
+  std::array<std::int64_t, 49> inner;
+  for (std::size_t i = 0; i < 49; ++i) inner[i] = difference[8 * (i / 7 + 1) + i % 7 + 1];
+  std::nth_element(inner.begin(), inner.begin() + 24, inner.end());
+  const std::int64_t twist = inner[24];  // the median
+  if (!fits(first_right, 16) || !fits(first_down, 16) || !fits(twist, 8)) return false;
+  const Mixed m{static_cast<std::int32_t>(tile[0]),    static_cast<std::int32_t>(first_right),
+                static_cast<std::int32_t>(first_down), static_cast<std::int32_t>(bend_x),
+                static_cast<std::int32_t>(bend_y),     static_cast<std::int32_t>(twist)};
+  Residuals residuals;
   for (std::size_t i = 0; i < 64; ++i)
-    tile_layout::write24(out.bytes.data() + 3 * i, static_cast<std::int32_t>(tile[i]));
-  out.size = raw_tile_bytes;
-  out.mode = TileMode::raw;
+    residuals[i] = difference[i] - m.at(static_cast<int>(i % 8), static_cast<int>(i / 8));
+  tile_layout::write_mixed(out.bytes.data() + tile_layout::header, m);
+  return finish(residuals, tile_layout::mixed, TileMode::mixed, out);
 }
 
-DepthTile turned(const DepthTile& tile) {
-  DepthTile result;
-  for (std::size_t i = 0; i < 64; ++i) result[i % 8 * 8 + i / 8] = tile[i];
-  return result;
-}
-
-std::size_t whole_bytes(std::size_t bits) { return (bits + 7) / 8; }
+/// Tiles of which a sixth is left are not worth the search for two planes.
+constexpr std::size_t good_enough = raw_tile_bytes / 6;
 
 }  // namespace
 
 PackedTile raw_tile(const DepthTile& tile) {
   PackedTile raw{};
-  encode_raw(tile, raw);
+  for (std::size_t i = 0; i < 64; ++i)
+    tile_layout::write<3>(raw.bytes.data() + 3 * i, static_cast<std::int32_t>(tile[i]));
+  raw.size = raw_tile_bytes;
+  raw.mode = TileMode::raw;
   return raw;
 }
 
 PackedTile encode_tile(const DepthTile& tile) {
   PackedTile best = raw_tile(tile), trial{};
-  const auto keep_smaller = [&](bool fits) {
-    if (fits && trial.size < best.size) best = trial;
+  const auto keep_smaller = [&](bool gains) {
+    if (gains && trial.size < best.size) best = trial;
   };
   keep_smaller(encode_planes(tile, 0, trial));
   keep_smaller(encode_second_order(tile, TileMode::second_order, trial));
   keep_smaller(encode_second_order(turned(tile), TileMode::second_order_turned, trial));
+  keep_smaller(encode_mixed(turned(tile), trial));
+  if (best.size <= good_enough) return best;
+  // Two planes: what the largest gap divides, and what comes of halves and of the two sides of the diagonals.
   const std::uint64_t far = far_side(tile);
-  if (far != 0) keep_smaller(encode_planes(tile, far, trial));
+  if (far == 0) return best;
+  keep_smaller(encode_planes(tile, far, trial));
+  for (const std::uint64_t start :
+       {far, 0xF0F0F0F0F0F0F0F0u, 0xFFFFFFFF00000000u, 0xFEFCF8F0E0C08000u, 0x7F3F1F0F07030100u}) {
+    const std::uint64_t second = settled(tile, start);
+    if (second != 0 && second != far) keep_smaller(encode_planes(tile, second, trial));
+  }
   return best;
 }
 
@@ -209,43 +340,54 @@ void decode_tile_scalar(const PackedTile& packed, DepthTile& tile) {
   const std::uint8_t* bytes = packed.bytes.data();
   if (packed.mode == TileMode::raw) {
     for (std::size_t i = 0; i < 64; ++i)
-      tile[i] = static_cast<std::uint32_t>(tile_layout::read24(bytes + 3 * i)) & 0xFFFFFF;
+      tile[i] = static_cast<std::uint32_t>(tile_layout::read<3>(bytes + 3 * i)) & 0xFFFFFF;
     return;
   }
-  const bool second_order = packed.mode == TileMode::second_order || packed.mode == TileMode::second_order_turned;
-  const Predictor first = tile_layout::read_predictor(bytes + tile_layout::widths);
-  const std::uint8_t* p = bytes + tile_layout::widths + tile_layout::predictor;
-  Predictor second = first;
-  std::uint64_t far = 0;
-  std::int32_t base = 0;
-  if (packed.mode == TileMode::two_planes) {
-    std::memcpy(&far, p, sizeof far);
-    second = tile_layout::read_predictor(p + tile_layout::mask);
-    p += tile_layout::mask + tile_layout::predictor;
-  } else if (second_order) {
-    base = tile_layout::read24(p);
-    p += 3;
+  const auto header = static_cast<std::uint32_t>(tile_layout::read<4>(bytes));
+  const std::uint8_t* p = bytes + tile_layout::header;
+  const bool planes = packed.mode == TileMode::plane || packed.mode == TileMode::two_planes;
+  Plane first{}, second{};
+  std::uint64_t members = 0;
+  SecondOrder order{};
+  Mixed mixed{};
+  if (planes) {
+    first = tile_layout::read_plane(p);
+    p += tile_layout::predictor;
+    if (packed.mode == TileMode::two_planes) {
+      std::memcpy(&members, p, sizeof members);
+      second = tile_layout::read_plane(p + tile_layout::mask);
+      p += tile_layout::mask + tile_layout::predictor;
+    }
+  } else if (packed.mode == TileMode::mixed) {
+    mixed = tile_layout::read_mixed(p);
+    p += tile_layout::mixed;
+  } else {
+    order = tile_layout::read_second_order(p);
+    p += tile_layout::second_order;
   }
-  for (int row = 0; row < 8; ++row) {
-    const int width = tile_layout::width_of(bytes, row);
-    for (int i = 0; i < 8; ++i) {
-      const auto at = static_cast<std::size_t>(8 * row + i);
-      const std::uint64_t field =
-          (tile_layout::half_row(p, width, i / 4) >> (i % 4 * width)) & ((std::uint64_t{1} << width) - 1);
-      std::int32_t value = static_cast<std::int32_t>(field) - tile_layout::bias_of(width);
-      if (!second_order)
-        value += (((far >> at) & 1) != 0 ? second : first).at(i, row);
-      else if (row == 0)
-        value += first.z + ((i * first.dx) >> tile_layout::fraction_bits);
-      else if (row == 1)
-        value += static_cast<std::int32_t>(tile[at - 8]) + base + ((i * first.dy) >> tile_layout::fraction_bits);
+  for (int y = 0; y < 8; ++y) {
+    const int width = tile_layout::width_of(header, y);
+    for (int x = 0; x < 8; ++x) {
+      const auto at = static_cast<std::size_t>(8 * y + x);
+      const auto before = [&](int dx, int dy) {
+        return x < dx || y < dy ? 0 : static_cast<std::int32_t>(tile[at - static_cast<std::size_t>(8 * dy + dx)]);
+      };
+      std::int32_t value = read_field(p, width, x);
+      if (planes)
+        value += (has(members, at) ? second : first).at(x, y);
+      else if (packed.mode == TileMode::mixed)
+        value += mixed.at(x, y) + before(1, 0) + before(0, 1) - before(1, 1);
+      else if (y == 0)
+        value += order.z + ((x * order.slope) >> tile_layout::slope_bits);
+      else if (y == 1)
+        value += before(0, 1) + order.step + ((x * order.step_slope) >> tile_layout::slope_bits);
       else
-        value += 2 * static_cast<std::int32_t>(tile[at - 8]) - static_cast<std::int32_t>(tile[at - 16]);
+        value += 2 * before(0, 1) - before(0, 2);
       tile[at] = static_cast<std::uint32_t>(value);
     }
     p += width;
   }
-  if (packed.mode == TileMode::second_order_turned) tile = turned(tile);
+  if (packed.mode == TileMode::second_order_turned || packed.mode == TileMode::mixed) tile = turned(tile);
 }
 
 std::size_t dpcm_first_order_bytes(const DepthTile& tile) {
