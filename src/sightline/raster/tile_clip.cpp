@@ -56,9 +56,9 @@ std::size_t clip_triangle(const VertexBuffer& in, std::size_t a, std::size_t b, 
   Polygon polygon{}, scratch{};
   std::size_t count = 0;
   for (const std::size_t v : {a, b, c}) {
-    if (!std::isfinite(in.view_x[v]) || !std::isfinite(in.view_y[v]) || !std::isfinite(in.w[v])) return 0;
-    polygon[count++] = {static_cast<double>(in.view_x[v]), static_cast<double>(in.view_y[v]),
-                        static_cast<double>(in.w[v]), static_cast<int>(v)};
+    const float x = in.view_x[v], y = in.view_y[v], w = in.point[v].w;
+    if (!std::isfinite(x) || !std::isfinite(y) || !std::isfinite(w)) return 0;
+    polygon[count++] = {static_cast<double>(x), static_cast<double>(y), static_cast<double>(w), static_cast<int>(v)};
   }
   for (int plane = 0; plane < 6 && count >= 3; ++plane) {
     if (plane == 1 && std::isinf(t.far)) continue;
@@ -69,16 +69,13 @@ std::size_t clip_triangle(const VertexBuffer& in, std::size_t a, std::size_t b, 
   for (std::size_t i = 0; i < count; ++i) {
     const Corner& p = polygon[i];
     if (p.from >= 0) {
-      const auto v = static_cast<std::size_t>(p.from);
-      out.x[i] = in.x[v];
-      out.y[i] = in.y[v];
-      out.near[i] = in.near[v];
+      out.point[i] = in.point[static_cast<std::size_t>(p.from)];
       continue;
     }
     const double near = t.perspective ? 1.0 / p.w : -p.w, scale = t.perspective ? near : 1.0;
-    out.x[i] = static_cast<float>(static_cast<double>(t.centre_x) + p.x * scale);
-    out.y[i] = static_cast<float>(static_cast<double>(t.centre_y) + p.y * scale);
-    out.near[i] = static_cast<float>(near);
+    out.point[i] = {static_cast<float>(static_cast<double>(t.centre_x) + p.x * scale),
+                    static_cast<float>(static_cast<double>(t.centre_y) + p.y * scale), static_cast<float>(near),
+                    static_cast<float>(p.w)};
   }
   return count;
 }

@@ -35,9 +35,12 @@ struct MeshTransform {
 enum VertexCode : std::uint32_t { before_near = 1, beyond_far = 2, outside_guard = 4 };
 
 inline constexpr std::size_t vertex_room = cluster_vertices + cluster_padding;
+struct alignas(16) ScreenPoint {
+  float x, y, near, w;  // pixels, nearness, distance
+};
 struct alignas(64) VertexBuffer {
-  float x[vertex_room], y[vertex_room], near[vertex_room];  // pixels, nearness
-  float view_x[vertex_room], view_y[vertex_room], w[vertex_room];
+  ScreenPoint point[vertex_room];
+  float view_x[vertex_room], view_y[vertex_room];
   std::uint32_t code[vertex_room];
 };
 

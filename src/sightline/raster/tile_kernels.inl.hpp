@@ -38,13 +38,13 @@ HWY_INLINE VF dot3(const float* row, VF x, VF y, VF z) {
                  hn::Mul(hn::Set(d, row[2]), z));
 }
 
-/// The least float above v: r >= next_above(v) says r > v.
-HWY_INLINE VF next_above(VF v) {
+/// Where `open` (all bits set or none), the least float above v: r >= that says r > v. Elsewhere v.
+HWY_INLINE VF next_above(VF v, VI open) {
   const TF d;
   const TI di;
   const VI bits = hn::BitCast(di, hn::Add(v, hn::Zero(d)));  // -0 becomes +0
   const VI step = hn::Or(hn::ShiftRight<31>(bits), hn::Set(di, 1));
-  return hn::BitCast(d, hn::Add(bits, step));
+  return hn::BitCast(d, hn::Add(bits, hn::And(step, open)));
 }
 
 template <class M>
@@ -82,12 +82,10 @@ inline std::uint32_t transform(const float* x, const float* y, const float* z, s
                                   hn::Le(hn::Abs(off_y), hn::Set(d, t.guard)));  // false for what is no number
     code = hn::Or(code, hn::IfThenZeroElse(hn::RebindMask(di, in_guard), hn::Set(di, outside_guard)));
     all = hn::Or(all, code);
-    hn::Store(hn::Add(hn::Set(d, t.centre_x), off_x), d, out.x + i);
-    hn::Store(hn::Add(hn::Set(d, t.centre_y), off_y), d, out.y + i);
-    hn::Store(nearness, d, out.near + i);
+    hn::StoreInterleaved4(hn::Add(hn::Set(d, t.centre_x), off_x), hn::Add(hn::Set(d, t.centre_y), off_y), nearness, w,
+                          d, &out.point[i].x);
     hn::Store(vx, d, out.view_x + i);
     hn::Store(vy, d, out.view_y + i);
-    hn::Store(w, d, out.w + i);
     hn::Store(code, di, reinterpret_cast<std::int32_t*>(out.code) + i);
   }
   return static_cast<std::uint32_t>(hn::GetLane(hn::MaxOfLanes(di, hn::And(all, hn::Set(di, 1)))) |
@@ -104,7 +102,7 @@ struct alignas(64) Batch {
   float dx[3][8], dy[3][8], ax[3][8], ay[3][8];
   float grad_x[8], grad_y[8], low[8], high[8];
   std::int32_t x0[8], y0[8], x1[8], y1[8];  // pixels, inclusive
-  std::uint32_t owns[3];                    // bit per lane: centres on the edge belong to the triangle
+  std::int32_t open[3][8];                  // all bits set: centres on the edge do not belong to the triangle
   std::uint32_t valid, large;
 };
 
@@ -115,17 +113,49 @@ HWY_INLINE double exact_area(const Batch& b, std::size_t k) {
          (static_cast<double>(b.x[2][k]) - x0) * (static_cast<double>(b.y[1][k]) - y0);
 }
 
+/// A corner of as many triangles as there are lanes.
+#if HWY_TARGET == HWY_SCALAR || HWY_HAVE_SCALABLE
+HWY_INLINE void load_corners(const ScreenPoint* points, const std::uint8_t* index, VF& x, VF& y, VF& near) {
+  const TF d;
+  const VI at = hn::ShiftLeft<2>(hn::PromoteTo(TI(), hn::LoadU(TU8(), index)));  // in floats
+  x = hn::GatherIndex(d, &points->x, at);
+  y = hn::GatherIndex(d, &points->y, at);
+  near = hn::GatherIndex(d, &points->near, at);
+}
+#else
+/// Point index[k] and, in vectors of two blocks, point index[k + 4].
+template <class D>
+HWY_INLINE hn::Vec<D> load_points(D d, const ScreenPoint* points, const std::uint8_t* index, std::size_t k) {
+  const hn::FixedTag<float, 4> block;
+  const auto low = hn::Load(block, &points[index[k]].x);
+  if constexpr (hn::MaxLanes(D()) == 8)
+    return hn::Combine(d, hn::Load(block, &points[index[k + 4]].x), low);
+  else
+    return low;
+}
+
+/// Points are read as they lie and turned into columns, which is much faster than gathers.
+HWY_INLINE void load_corners(const ScreenPoint* points, const std::uint8_t* index, VF& x, VF& y, VF& near) {
+  const TF d;
+  const hn::RepartitionToWide<TF> pairs;
+  const VF p0 = load_points(d, points, index, 0), p1 = load_points(d, points, index, 1);
+  const VF p2 = load_points(d, points, index, 2), p3 = load_points(d, points, index, 3);
+  const auto xy01 = hn::BitCast(pairs, hn::InterleaveLower(d, p0, p1));
+  const auto xy23 = hn::BitCast(pairs, hn::InterleaveLower(d, p2, p3));
+  const auto near01 = hn::BitCast(pairs, hn::InterleaveUpper(d, p0, p1));
+  const auto near23 = hn::BitCast(pairs, hn::InterleaveUpper(d, p2, p3));
+  x = hn::BitCast(d, hn::InterleaveLower(pairs, xy01, xy23));
+  y = hn::BitCast(d, hn::InterleaveUpper(pairs, xy01, xy23));
+  near = hn::BitCast(d, hn::InterleaveLower(pairs, near01, near23));
+}
+#endif
+
 HWY_INLINE void set_up_batch(const VertexBuffer& v, const std::uint8_t* const corner[3], std::size_t i, int cull,
                              const ScreenTile& tile, Batch& b) {
   const TF d;
   const TI di;
   VF x[3], y[3], n[3];
-  for (std::size_t k = 0; k < 3; ++k) {
-    const VI index = hn::PromoteTo(di, hn::LoadU(TU8(), corner[k] + i));
-    x[k] = hn::GatherIndex(d, v.x, index);
-    y[k] = hn::GatherIndex(d, v.y, index);
-    n[k] = hn::GatherIndex(d, v.near, index);
-  }
+  for (std::size_t k = 0; k < 3; ++k) load_corners(v.point, corner[k] + i, x[k], y[k], n[k]);
   const VF min_x = hn::Min(hn::Min(x[0], x[1]), x[2]), max_x = hn::Max(hn::Max(x[0], x[1]), x[2]);
   const VF min_y = hn::Min(hn::Min(y[0], y[1]), y[2]), max_y = hn::Max(hn::Max(y[0], y[1]), y[2]);
   const VF half = hn::Set(d, 0.5f);
@@ -180,7 +210,8 @@ HWY_INLINE void set_up_batch(const VertexBuffer& v, const std::uint8_t* const co
     hn::Store(hn::IfThenElse(lower, x[to], x[k]), d, b.ax[k]);
     hn::Store(hn::IfThenElse(lower, y[to], y[k]), d, b.ay[k]);
     // Top-left rule: left edges run up, top edges to the right.
-    b.owns[k] = bits_of(hn::Or(hn::Lt(dy, hn::Zero(d)), hn::And(hn::Eq(dy, hn::Zero(d)), hn::Gt(dx, hn::Zero(d)))));
+    const auto owns = hn::Or(hn::Lt(dy, hn::Zero(d)), hn::And(hn::Eq(dy, hn::Zero(d)), hn::Gt(dx, hn::Zero(d))));
+    hn::Store(hn::IfThenZeroElse(hn::RebindMask(di, owns), hn::Set(di, -1)), di, b.open[k]);
   }
 }
 
@@ -244,6 +275,13 @@ HWY_INLINE void write_row(const Writer& w, M inside, VF z, std::size_t at) {
 
 HWY_INLINE VF clamp_depth(VF z, VF low, VF high) { return hn::Min(hn::Max(z, low), high); }
 
+/// c of one edge at pixel centres in a row.
+HWY_INLINE VF column_value(const Batch& b, std::size_t k, std::size_t e, VF px) {
+  const TF d;
+  const VF c = hn::Mul(hn::Set(d, b.dy[e][k]), hn::Sub(px, hn::Set(d, b.ax[e][k])));
+  return next_above(c, hn::Set(TI(), b.open[e][k]));
+}
+
 /// A triangle of at most 16 x 16 pixels: all pixels of its box.
 template <bool Ids>
 HWY_INLINE void fill_small(const Batch& b, std::size_t k, const Writer& w) {
@@ -263,10 +301,7 @@ HWY_INLINE void fill_small(const Batch& b, std::size_t k, const Writer& w) {
   for (int x = x0; x <= x1; x += n) {
     const VF px = hn::Add(hn::Set(d, static_cast<float>(x)), iota);
     VF c[3];
-    for (std::size_t e = 0; e < 3; ++e) {
-      c[e] = hn::Mul(hn::Set(d, b.dy[e][k]), hn::Sub(px, hn::Set(d, b.ax[e][k])));
-      if (((b.owns[e] >> k) & 1) == 0) c[e] = next_above(c[e]);
-    }
+    for (std::size_t e = 0; e < 3; ++e) c[e] = column_value(b, k, e, px);
     const auto beyond = hn::Gt(px, hn::Set(d, static_cast<float>(x1 + 1)));
     c[0] = hn::IfThenElse(beyond, hn::Set(d, std::numeric_limits<float>::infinity()), c[0]);
     const VF zx = hn::Mul(hn::Set(d, b.grad_x[k]), hn::Sub(px, hn::Set(d, b.x[0][k])));
@@ -321,13 +356,6 @@ HWY_INLINE LargePlane large_plane(const Batch& b, std::size_t k, const ScreenTil
   p.step_x = static_cast<float>(p.dx);
   p.step_y = static_cast<float>(p.dy);
   return p;
-}
-
-/// c of one edge at pixel column x (the centre), as the pixel loops compute it.
-HWY_INLINE VF column_value(const Batch& b, std::size_t k, std::size_t e, VF px) {
-  const TF d;
-  const VF c = hn::Mul(hn::Set(d, b.dy[e][k]), hn::Sub(px, hn::Set(d, b.ax[e][k])));
-  return ((b.owns[e] >> k) & 1) != 0 ? c : next_above(c);
 }
 
 template <bool Ids>
