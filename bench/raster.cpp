@@ -220,6 +220,22 @@ void small_triangles(bool gl) {
   std::printf("  two threads against one: %.2f x\n", one / median(scaling[0].seconds));
 }
 
+Scene stack_of_layers(int count, bool near_first) {
+  SceneBuilder builder;
+  Mesh stack{"stack", {}, {}, false, {}};
+  for (int i = 0; i < count; ++i) {
+    const auto base = static_cast<std::uint32_t>(stack.positions.size());
+    const float z = -10.0f - 0.05f * static_cast<float>(near_first ? i : count - 1 - i);
+    for (const glm::vec2 corner : {glm::vec2(-40, -40), glm::vec2(40, -40), glm::vec2(40, 40), glm::vec2(-40, 40)})
+      stack.positions.emplace_back(corner.x, corner.y, z);
+    stack.triangles.push_back({base, base + 1, base + 2});
+    stack.triangles.push_back({base, base + 2, base + 3});
+  }
+  const MeshId mesh = builder.add_mesh(stack);
+  builder.add_object(mesh, identity_affine());
+  return builder.build();
+}
+
 void layers(bool gl) {
   constexpr int count = 200;
   const SceneAndView task = full_screen_layers(count);
@@ -244,27 +260,26 @@ void layers(bool gl) {
     ours(settings)();
     check(different(reference, scratch, false) == 0, "layers against zbuffer");
   }
-  // Rejected tile by tile, not object by object: the near layers as one mesh before the far ones.
-  SceneBuilder builder;
-  Mesh stack{"stack", {}, {}, false, {}};
-  for (int i = 0; i < 60; ++i) {
-    const auto base = static_cast<std::uint32_t>(stack.positions.size());
-    const float z = -10.0f - 0.05f * static_cast<float>(i);
-    for (const glm::vec2 corner : {glm::vec2(-40, -40), glm::vec2(40, -40), glm::vec2(40, 40), glm::vec2(-40, 40)})
-      stack.positions.emplace_back(corner.x, corner.y, z);
-    stack.triangles.push_back({base, base + 1, base + 2});
-    stack.triangles.push_back({base, base + 2, base + 3});
-  }
-  const MeshId mesh = builder.add_mesh(stack);
-  builder.add_object(mesh, identity_affine());
-  const Scene stacked = builder.build();
-  const raster::TileRasteriser stack_rasteriser(stacked);
+  // Tile by tile, not object by object: as many layers as one cluster takes, near ones first or far ones first.
+  constexpr int stacked = raster::cluster_vertices / 4;
+  const Scene near_first = stack_of_layers(stacked, true), far_first = stack_of_layers(stacked, false);
+  const raster::TileRasteriser near_rasteriser(near_first), far_rasteriser(far_first);
   const std::vector<ObjectId> only{0};
-  raster::TileStats stats;
-  stack_rasteriser.draw(task.view, only, hierarchical, scratch, stats);
-  std::printf("front to back in one cluster: %llu tiles filled, %llu rejected\n",
+  Frame stack_reference;
+  raster::TileStats stats, all_written;
+  near_rasteriser.draw(task.view, only, plain, stack_reference, stats);
+  stats = {};
+  near_rasteriser.draw(task.view, only, hierarchical, scratch, stats);
+  check(different(stack_reference, scratch, false) == 0, "layers in one cluster, near ones first");
+  far_rasteriser.draw(task.view, only, hierarchical, scratch, all_written);
+  check(different(stack_reference, scratch, false) == 0, "layers in one cluster, far ones first");
+  check(all_written.work.tiles_rejected == 0, "far ones first: nothing is rejected");
+  std::printf("in one cluster: near ones first %llu tiles filled, %llu rejected; far ones first %llu and %llu\n",
               static_cast<unsigned long long>(stats.work.tiles_filled),
-              static_cast<unsigned long long>(stats.work.tiles_rejected));
+              static_cast<unsigned long long>(stats.work.tiles_rejected),
+              static_cast<unsigned long long>(all_written.work.tiles_filled),
+              static_cast<unsigned long long>(all_written.work.tiles_rejected));
+  const double stack_pixels = static_cast<double>(stacked) * task.view.width * task.view.height;
   std::vector<Contender> contenders;
 #ifdef SIGHTLINE_HAS_EPOXY
   std::unique_ptr<GlScene> theirs;
@@ -275,12 +290,14 @@ void layers(bool gl) {
 #endif
   contenders.push_back({"zbuffer_tiled, all written", ours(plain), pixels});
   contenders.push_back({"hzb, sorted by itself", ours(hierarchical), pixels});
-  contenders.push_back({"hzb, rejected tile by tile",
-                        [&] {
-                          raster::TileStats unused;
-                          stack_rasteriser.draw(task.view, only, hierarchical, scratch, unused);
-                        },
-                        60.0 * task.view.width * task.view.height});
+  const auto drawn_by = [&](const raster::TileRasteriser& stack) {
+    return [&] {
+      raster::TileStats unused;
+      stack.draw(task.view, only, hierarchical, scratch, unused);
+    };
+  };
+  contenders.push_back({"hzb, rejected tile by tile", drawn_by(near_rasteriser), stack_pixels});
+  contenders.push_back({"hzb, all written", drawn_by(far_rasteriser), stack_pixels});
   time_all(contenders, 7, 1, "pixels", 1.0);
 }
 
