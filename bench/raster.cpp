@@ -73,10 +73,10 @@ std::size_t different(const Frame& a, const Frame& b, bool ids) {
 }
 
 #ifdef SIGHTLINE_HAS_EPOXY
-/// The scene in one vertex and index buffer, drawn depth only.
+/// The scene in one vertex and index buffer, drawn depth only or with RGBA8 beside it.
 class GlScene {
  public:
-  GlScene(const Scene& scene, const View& view) : view_(view) {
+  GlScene(const Scene& scene, const View& view, bool colour = false) : view_(view) {
     std::vector<glm::vec3> positions;
     std::vector<std::uint32_t> indices;
     for (const Object& object : scene.objects()) {
@@ -96,7 +96,8 @@ class GlScene {
     };
     attach(GL_VERTEX_SHADER,
            "#version 330\nlayout(location=0) in vec3 p; uniform mat4 m; void main() { gl_Position = m * vec4(p, 1); }");
-    attach(GL_FRAGMENT_SHADER, "#version 330\nvoid main() {}");
+    attach(GL_FRAGMENT_SHADER, colour ? "#version 330\nout vec4 c; void main() { c = vec4(gl_FragCoord.z); }"
+                                      : "#version 330\nvoid main() {}");
     glLinkProgram(program);
     glUseProgram(program);
     const glm::mat4 matrix(view_projection(view));
@@ -119,13 +120,26 @@ class GlScene {
     glBindRenderbuffer(GL_RENDERBUFFER, depth);
     glRenderbufferStorage(GL_RENDERBUFFER, GL_DEPTH_COMPONENT32F, view.width, view.height);
     glFramebufferRenderbuffer(GL_FRAMEBUFFER, GL_DEPTH_ATTACHMENT, GL_RENDERBUFFER, depth);
-    glDrawBuffer(GL_NONE);
+    if (colour) {
+      GLuint image = 0;
+      glGenRenderbuffers(1, &image);
+      glBindRenderbuffer(GL_RENDERBUFFER, image);
+      glRenderbufferStorage(GL_RENDERBUFFER, GL_RGBA8, view.width, view.height);
+      glFramebufferRenderbuffer(GL_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_RENDERBUFFER, image);
+    }
+    glDrawBuffer(colour ? GL_COLOR_ATTACHMENT0 : GL_NONE);
     glReadBuffer(GL_NONE);
+    buffer_ = buffer;
+    array_ = ids[0];
+    program_ = program;
     glViewport(0, 0, view.width, view.height);
     glEnable(GL_DEPTH_TEST);
     glDepthFunc(GL_LESS);
   }
   void draw(bool cull) const {
+    glBindFramebuffer(GL_FRAMEBUFFER, buffer_);
+    glBindVertexArray(array_);
+    glUseProgram(program_);
     cull ? glEnable(GL_CULL_FACE) : glDisable(GL_CULL_FACE);
     glClear(GL_DEPTH_BUFFER_BIT);
     glDrawElements(GL_TRIANGLES, count_, GL_UNSIGNED_INT, nullptr);
@@ -150,6 +164,7 @@ class GlScene {
  private:
   View view_;
   GLsizei count_ = 0;
+  GLuint buffer_ = 0, array_ = 0, program_ = 0;
 };
 #endif
 
@@ -282,13 +297,16 @@ void layers(bool gl) {
   const double stack_pixels = static_cast<double>(stacked) * task.view.width * task.view.height;
   std::vector<Contender> contenders;
 #ifdef SIGHTLINE_HAS_EPOXY
-  std::unique_ptr<GlScene> theirs;
+  std::unique_ptr<GlScene> theirs, with_colour;
   if (gl) {
     theirs = std::make_unique<GlScene>(task.scene, task.view);
+    with_colour = std::make_unique<GlScene>(task.scene, task.view, true);
     contenders.push_back({"llvmpipe, all written", [&] { theirs->draw(false); }, pixels});
+    contenders.push_back({"llvmpipe, z and RGBA8 written", [&] { with_colour->draw(false); }, pixels});
   }
 #endif
   contenders.push_back({"zbuffer_tiled, all written", ours(plain), pixels});
+  contenders.push_back({"zbuffer_tiled, z and ids written", ours({}), pixels});
   contenders.push_back({"hzb, sorted by itself", ours(hierarchical), pixels});
   const auto drawn_by = [&](const raster::TileRasteriser& stack) {
     return [&] {

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numeric>
 
+#include "sightline/oracle/oracle.hpp"
 #include "sightline/raster/depth_precision.hpp"
 #include "sightline/raster/pipeline.hpp"
 #include "sightline/raster/scene_draw.hpp"
@@ -90,29 +91,48 @@ Json measure_overdraw(const Scene& scene, const View& view, Frame& plain, Frame&
 
 Json measure_complexity(const Scene& scene, const View& view) {
   const auto orders = three_orders(scene, view);
-  raster::Target all(view.width, view.height), tests = all;
-  all.count_pixels();
   double ms = 0;
-  raster::SceneDraw what;
-  what.state.depth.func = raster::Compare::always;
-  what.state.depth.mask = false;
-  draw_into(scene, view, orders[0].objects, what, all, ms);
+  // a: surfaces along the rays, by the oracle.
+  std::uint64_t intersections = 0;
+  for (const std::uint8_t n : Oracle(scene).count_surfaces(view)) intersections += n;
+  // b: fragments that the pipeline makes; no test.
+  raster::Target polygons(view.width, view.height), transparent = polygons, tests = polygons;
+  polygons.count_pixels();
+  raster::SceneDraw untested;
+  untested.state.depth.enabled = false;
+  draw_into(scene, view, orders[0].objects, untested, polygons, ms);
   std::uint64_t layers = 0, covered = 0;
   std::uint32_t most = 0;
-  for (const std::uint32_t n : all.counts.fragments) {
+  for (const std::uint32_t n : polygons.counts.fragments) {
     layers += n;
     covered += n > 0 ? 1 : 0;
     most = std::max(most, n);
   }
-  raster::SceneDraw culled;
+  // c: everything is glass and blended back to front: the layers that the stencil counts.
+  raster::SceneDraw glass;
+  glass.alpha = 0.5f;
+  glass.state.blend = raster::blend_over();
+  glass.state.depth.mask = false;
+  glass.state.stencil.enabled = true;
+  glass.state.stencil.front.zpass = glass.state.stencil.back.zpass = raster::StencilOp::incr;
+  draw_into(scene, view, orders[1].objects, glass, transparent, ms);
+  const std::uint64_t blended =
+      std::accumulate(transparent.stencil.begin(), transparent.stencil.end(), std::uint64_t{0});
+  // d: what lies behind the surface that is seen. e: z-tests, of which back-face culling spares some.
+  raster::SceneDraw behind, culled;
+  behind.state.depth.func = raster::Compare::greater;
+  behind.state.depth.mask = false;
   culled.state.cull = raster::CullFace::back;
+  raster::Target nearest(view.width, view.height);
+  draw_into(scene, view, orders[0].objects, {}, nearest, ms);
+  const raster::DrawCounts d = draw_into(scene, view, orders[0].objects, behind, nearest, ms);
   const raster::DrawCounts e = draw_into(scene, view, orders[0].objects, culled, tests, ms);
   Json json{{"covered_pixels", covered},
             {"largest", most},
-            {"a_intersections_per_ray", per(layers, covered)},
+            {"a_intersections_per_ray", per(intersections, covered)},
             {"b_polygons_per_pixel", per(layers, covered)},
-            {"c_visible_if_transparent", per(layers, covered)},
-            {"d_polygons_behind", per(layers - covered, covered)},
+            {"c_visible_if_transparent", per(blended, covered)},
+            {"d_polygons_behind", per(d.depth_tests - d.depth_failed, covered)},
             {"e_depth_tests_back_faces_culled", per(e.depth_tests, covered)}};
   for (const Order& order : orders) {
     raster::Target target(view.width, view.height);
@@ -312,23 +332,26 @@ Json measure_early_z(const Scene& scene, const View& view) {
     const auto second = draw_into(scene, view, order.objects, shading, target, ms);
     rows["depth_pre_pass"] = row(second, pre_ms + ms);
   }
-  // z alone against z and ids on the fast path, medians of five.
-  std::vector<double> depth_ms, colour_ms;
+  // On the fast path, medians of five: z alone against z and ids (4.07), and what the hierarchy does for a depth
+  // pre-pass (4.10).
+  std::vector<double> ms[3];
+  const raster::TileSettings ways[3] = {{.ids = false}, {.ids = true}, {.ids = false, .hierarchical = true}};
   const auto order = raster::front_to_back(scene, view);
   const raster::TileRasteriser rasteriser(scene);
   Frame frame;
   for (int round = 0; round < 5; ++round)
-    for (const bool ids : {false, true}) {
+    for (std::size_t way = 0; way < 3; ++way) {
       raster::TileStats stats;
       const auto start = std::chrono::steady_clock::now();
-      rasteriser.draw(view, order, {.ids = ids}, frame, stats);
-      (ids ? colour_ms : depth_ms).push_back(milliseconds(start));
+      rasteriser.draw(view, order, ways[way], frame, stats);
+      ms[way].push_back(milliseconds(start));
     }
-  std::sort(depth_ms.begin(), depth_ms.end());
-  std::sort(colour_ms.begin(), colour_ms.end());
-  json["z_only_ms"] = depth_ms[2];
-  json["z_and_ids_ms"] = colour_ms[2];
-  json["z_only_gain"] = colour_ms[2] / depth_ms[2];
+  for (auto& times : ms) std::sort(times.begin(), times.end());
+  json["z_only_ms"] = ms[0][2];
+  json["z_and_ids_ms"] = ms[1][2];
+  json["z_only_gain"] = ms[1][2] / ms[0][2];
+  json["z_only_hierarchical_ms"] = ms[2][2];
+  json["hierarchical_pre_pass_gain"] = ms[0][2] / ms[2][2];
   return json;
 }
 
@@ -338,25 +361,34 @@ Json measure_fighting(const View& view) {
   for (const auto& [name, format] :
        {std::pair{"unorm16", raster::DepthFormat::unorm16}, std::pair{"unorm20", raster::DepthFormat::unorm20},
         std::pair{"unorm24", raster::DepthFormat::unorm24}, std::pair{"float32", raster::DepthFormat::float32}}) {
-    double measured = 0;
-    for (double d = near * 1.01; d < 4 * far && measured == 0; d *= 1.005) {
-      int same = 0;
-      for (int i = 0; i < 256; ++i) {
-        const double at = d * (1 + 0.005 * i / 256);
-        same += raster::depth_code(format, raster::window_depth(at, near, far)) ==
-                        raster::depth_code(format, raster::window_depth(at + apart, near, far))
-                    ? 1
-                    : 0;
-      }
-      if (same > 0) measured = d;  // from here on some pairs fall together
+    double first = 0, half = 0;  // where a pixel is lost, and where half of them are
+    for (double d = near * 1.02; d < 4 * far && half == 0; d *= 1.01) {
+      const double share = raster::fighting_share(format, d, apart, near, far);
+      if (share > 0 && first == 0) first = d;
+      if (share >= 0.5) half = d;
     }
     rows.push_back({{"format", name},
                     {"near", near},
                     {"far", far},
                     {"apart", apart},
                     {"predicted_metres", raster::fighting_distance(format, apart, near, far)},
-                    {"measured_metres", measured}});
+                    {"measured_metres", first},
+                    {"half_lost_metres", half}});
   }
+  return rows;
+}
+
+Json measure_just_noticeable(const View& view) {
+  const double near = view.near, far = std::isinf(view.far) ? 1e6 : view.far;
+  Json rows = Json::array();
+  for (double d = 1.0; d <= 1024.0; d *= 2)
+    rows.push_back({{"metres", d},
+                    {"occlusion", raster::occlusion_threshold},
+                    {"relative_size", raster::relative_size_threshold},
+                    {"two_eyes", raster::stereo_threshold(d) / d},
+                    {"unorm16", raster::depth_step_at(raster::DepthFormat::unorm16, d, near, far) / d},
+                    {"unorm20", raster::depth_step_at(raster::DepthFormat::unorm20, d, near, far) / d},
+                    {"unorm24", raster::depth_step_at(raster::DepthFormat::unorm24, d, near, far) / d}});
   return rows;
 }
 

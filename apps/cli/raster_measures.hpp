@@ -14,7 +14,9 @@ using Json = nlohmann::ordered_json;
 /// frames keep their write counts.
 Json measure_overdraw(const Scene& scene, const View& view, Frame& plain, Frame& hierarchical);
 
-/// Depth complexity by its five definitions, and z-tests, z-writes and colour writes for three orders (6.01-6.07, E9).
+/// Depth complexity by its five definitions, each counted by its own means (a: rays of the oracle, which count surfaces
+/// at one depth once; b: fragments; c: blended layers in the stencil; d: fragments behind the finished image; e:
+/// z-tests), and z-tests, z-writes and colour writes for three orders (6.01-6.07, E9).
 Json measure_complexity(const Scene& scene, const View& view);
 
 /// Colour writes for n triangles over a pixel in random order, simulated in the pipeline, beside H_n, ln n + 0.5 and
@@ -31,10 +33,13 @@ Json measure_traffic(const Scene& scene, const View& view);
 Json measure_bandwidth(const View& view, double depth_complexity);
 
 /// Fragment program runs and times: early tests off, on, with a depth pre-pass, per order; z alone against z and colour
-/// (4.06, 4.07).
+/// and with the hierarchy (4.06, 4.07, 4.10).
 Json measure_early_z(const Scene& scene, const View& view);
 
-/// Distance at which two planes can no longer be told apart, predicted and measured, per depth format (3.15-3.17).
+/// Distance at which two planes can no longer be told apart, predicted and drawn, per depth format (3.15-3.17).
 Json measure_fighting(const View& view);
+
+/// Just noticeable differences of depth as a share of the distance: of eyes and of depth buffers (1.21).
+Json measure_just_noticeable(const View& view);
 
 }  // namespace sightline::cli

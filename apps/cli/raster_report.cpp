@@ -1,6 +1,7 @@
 // sightline raster-report: tables and plots of what rasterising a view costs (checklist 27.06-27.08, 27.10).
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <filesystem>
 
 #include "camera.hpp"
@@ -8,6 +9,7 @@
 #include "json_output.hpp"
 #include "plot.hpp"
 #include "raster_measures.hpp"
+#include "raster_pictures.hpp"
 #include "scene_argument.hpp"
 #include "sightline/scene/generate/raster_scenes.hpp"
 #include "verbs.hpp"
@@ -54,6 +56,17 @@ void write_plots(const std::string& folder, const Json& json) {
   const Json& histogram = json["compression"]["histogram"];
   for (std::size_t i = 1; i < histogram.size(); ++i) bars.emplace_back(std::to_string(i), histogram[i].get<double>());
   write_file(folder, "compression.svg", bar_chart("Depth tiles by compression ratio (n to n + 1 : 1)", "tiles", bars));
+  std::vector<Series> noticeable;
+  for (const auto& [key, unused] : json["just_noticeable"][0].items()) {
+    if (key == "metres") continue;
+    Series series{key, {}};
+    for (const Json& row : json["just_noticeable"])
+      series.points.emplace_back(row["metres"].get<double>(), std::min(0.1, row[key].get<double>()));
+    noticeable.push_back(std::move(series));
+  }
+  write_file(folder, "just_noticeable.svg",
+             line_chart("Just noticeable depth, share of the distance (up to a tenth)", "distance, metres", "share",
+                        noticeable, true));
   if (json["traffic"].is_null()) return;
   bars.clear();
   for (const auto& [name, row] : json["traffic"].items()) bars.emplace_back(name, row["gain"].get<double>());
@@ -91,6 +104,9 @@ void print_pipeline(const Json& json) {
   }
   fmt::print("  z only {:.2f} ms, z and ids {:.2f} ms: {:.2f} x\n", json["early_z"]["z_only_ms"].get<double>(),
              json["early_z"]["z_and_ids_ms"].get<double>(), json["early_z"]["z_only_gain"].get<double>());
+  fmt::print("  z only with the hierarchy (depth pre-pass) {:.2f} ms: {:.2f} x\n",
+             json["early_z"]["z_only_hierarchical_ms"].get<double>(),
+             json["early_z"]["hierarchical_pre_pass_gain"].get<double>());
   fmt::print("\ndepth traffic of the two-level z-buffer\n");
   for (const auto& [name, row] : json["traffic"].items())
     fmt::print("  {:<12} {:>12} bytes, gain {:.2f}; tile visits {}, fetched {}\n", name,
@@ -122,10 +138,11 @@ void print_text(const Json& json) {
                row["height"].get<double>(), row["depth_complexity"].get<double>(),
                row["words_per_fragment"].get<double>(), row["frames_per_second"].get<double>(),
                row["gigabytes_per_second"].get<double>(), row["case"].get<std::string>());
-  fmt::print("\nplanes 1 cm apart fall together from (predicted, measured)\n");
+  fmt::print("\nplanes 1 cm apart fall together from (predicted, first pixel drawn wrong, half of the pixels)\n");
   for (const Json& row : json["fighting"])
-    fmt::print("  {:<8} {:>10.2f} m {:>10.2f} m\n", row["format"].get<std::string>(),
-               row["predicted_metres"].get<double>(), row["measured_metres"].get<double>());
+    fmt::print("  {:<8} {:>10.2f} m {:>10.2f} m {:>10.2f} m\n", row["format"].get<std::string>(),
+               row["predicted_metres"].get<double>(), row["measured_metres"].get<double>(),
+               row["half_lost_metres"].get<double>());
 }
 
 }  // namespace
@@ -157,6 +174,7 @@ int run_raster_report(const RasterReportOptions& options) {
   json["bandwidth"] =
       measure_bandwidth(view, pipeline ? json["complexity"]["a_intersections_per_ray"].get<double>() : 0.0);
   json["fighting"] = measure_fighting(view);
+  json["just_noticeable"] = measure_just_noticeable(view);
   if (options.instances > 0) {
     const SceneAndView task = instanced_spheres(options.instances);
     json["instances"] = measure_overdraw(task.scene, task.view, plain, hierarchical);
@@ -165,7 +183,11 @@ int run_raster_report(const RasterReportOptions& options) {
       write_heat(options.output, "instances_hierarchical.png", hierarchical);
     }
   }
-  if (!options.output.empty()) write_plots(options.output, json);
+  if (!options.output.empty()) {
+    write_plots(options.output, json);
+    for (const auto& [name, picture] : raster_pictures())
+      write_file(options.output, std::string(name) + ".png", encode_png(picture));
+  }
   if (!options.common.json_to_stdout() && !options.common.quiet) print_text(json);
   output.write(json);
   return exit_ok;

@@ -36,10 +36,29 @@ TEST_F(RasterReport, MeasuresAndDraws) {
             early["back_to_front"]["depth_pre_pass"]["program_runs"]);
   EXPECT_LE(early["random"]["depth_pre_pass"]["program_runs"], early["random"]["early_tests"]["program_runs"]);
   EXPECT_LE(early["random"]["early_tests"]["program_runs"], early["random"]["late_tests"]["program_runs"]);
+  // E9: three ways of counting the same layers; rays see surfaces at one depth as one. The seen one lies before the
+  // rest.
+  const auto& complexity = json["complexity"];
+  const double a = complexity["a_intersections_per_ray"], b = complexity["b_polygons_per_pixel"];
+  EXPECT_EQ(complexity["c_visible_if_transparent"].get<double>(), b);
+  EXPECT_LE(a, 1.02 * b);
+  EXPECT_GT(a, 0.7 * b);
+  EXPECT_LE(complexity["d_polygons_behind"].get<double>(), b - 1.0);
+  EXPECT_GT(complexity["d_polygons_behind"].get<double>(), 0.7 * (b - 1.0));
+  EXPECT_LT(complexity["e_depth_tests_back_faces_culled"].get<double>(), b);
+  // Drawn and predicted distances of z-fighting agree where the format is coarse against the rounding of corners.
+  for (const auto& row : json["fighting"]) {
+    if (row["format"] == "unorm16" || row["format"] == "unorm20") {
+      EXPECT_NEAR(row["measured_metres"].get<double>() / row["predicted_metres"].get<double>(), 1.0, 0.06);
+    }
+    EXPECT_GT(row["half_lost_metres"].get<double>(), row["measured_metres"].get<double>());
+  }
   EXPECT_GT(json["traffic"]["all"]["gain"].get<double>(), json["traffic"]["fast_clear"]["gain"].get<double>());
   EXPECT_GT(json["compression"]["ratio"].get<double>(), json["compression"]["first_order_dpcm"].get<double>());
-  for (const char* name : {"overdraw.svg", "orders.svg", "compression.svg", "traffic.svg", "early_z.svg",
-                           "overdraw_plain.png", "overdraw_hierarchical.png", "tiles.png", "instances_plain.png"})
+  for (const char* name :
+       {"overdraw.svg", "orders.svg", "compression.svg", "traffic.svg", "early_z.svg", "just_noticeable.svg",
+        "overdraw_plain.png", "overdraw_hierarchical.png", "tiles.png", "instances_plain.png", "stencil_mask.png",
+        "csg.png", "dissolve.png", "two_sided.png", "blending_orders.png", "colour_filters.png", "glass.png"})
     EXPECT_GT(read_file(std::filesystem::path(folder) / name).size(), 200u) << name;
 }
 

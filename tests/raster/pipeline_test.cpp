@@ -317,28 +317,66 @@ TEST(EarlyZ, DepthPrePassLeavesNoOverdraw) {
   EXPECT_LE(different, covered / 200);
 }
 
-// 3.16, 3.17: the distance at which planes can no longer be told apart, predicted and measured, per format.
+// 3.15-3.17: two planes are drawn farther and farther away until the nearer one is lost at half of the pixels: there
+// the slope of the depth is half a step per gap, sqrt(2) farther than one step per gap.
 TEST(DepthPrecision, PlanesFightWhereTheSlopeOfDepthSays) {
   const double near = 0.1, far = 1000.0, apart = 0.05;
-  for (const DepthFormat f : {DepthFormat::unorm16, DepthFormat::unorm20, DepthFormat::unorm24}) {
-    const double predicted = fighting_distance(f, apart, near, far);
-    // Measured: the first distance from which half of the pairs share a code.
-    double measured = 0;
-    for (double d = near * 2; d < far && measured == 0; d *= 1.01) {
-      int same = 0;
-      for (int i = 0; i < 200; ++i) {
-        const double at = d * (0.99 + 0.02 * i / 200);  // over several steps of the buffer
-        same +=
-            depth_code(f, window_depth(at, near, far)) == depth_code(f, window_depth(at + apart, near, far)) ? 1 : 0;
-      }
-      if (same >= 100) measured = d;
-    }
-    // Half of the pairs share a code where the slope is half a code per gap: sqrt(2) farther than one code per gap.
-    if (measured == 0) continue;  // beyond the far plane
-    EXPECT_NEAR(measured / (predicted * std::sqrt(2.0)), 1.0, 0.05) << depth_bits(f);
+  for (const DepthFormat format :
+       {DepthFormat::unorm16, DepthFormat::unorm20, DepthFormat::unorm24, DepthFormat::float32}) {
+    const double predicted = fighting_distance(format, apart, near, far);
+    EXPECT_NEAR(depth_step_at(format, predicted, near, far), apart, 1e-9);
+    double half = 0;
+    for (double d = near * 2; d < far && half == 0; d *= 1.01)
+      if (fighting_share(format, d, apart, near, far) >= 0.5) half = d;
+    ASSERT_GT(half, 0.0);
+    const double ratio = half / (predicted * std::sqrt(2.0));
+    EXPECT_LE(ratio, 1.04) << depth_bits(format);
+    // Window depths of corners are floats: 2^-24 is their rounding and with these formats a whole step, so that a gap
+    // of one step and a half may look like half a step.
+    const bool fine = format == DepthFormat::unorm24 || format == DepthFormat::float32;
+    EXPECT_GE(ratio, fine ? std::sqrt(0.5 / 1.5) : 0.96) << depth_bits(format);
+    EXPECT_EQ(fighting_share(format, 0.5 * predicted, apart, near, far), 0.0) << depth_bits(format);
+    EXPECT_GT(fighting_share(format, 4 * predicted, apart, near, far), 0.8) << depth_bits(format);
   }
-  EXPECT_LT(fighting_distance(DepthFormat::unorm16, apart, near, far),
-            fighting_distance(DepthFormat::unorm24, apart, near, far) / 15);
+}
+
+// 1.21: what is just noticeable. Eyes and depth buffers both lose with the square of the distance; occlusion, of which
+// eyes need but an edge, stays the same share of it, and from a few metres on it tells more than two eyes.
+TEST(DepthPrecision, JustNoticeableDepths) {
+  for (const double d : {1.0, 7.0, 40.0}) {
+    EXPECT_NEAR(stereo_threshold(2 * d) / stereo_threshold(d), 4.0, 1e-12);
+    EXPECT_NEAR(
+        depth_step_at(DepthFormat::unorm24, 2 * d, 0.1, 1000) / depth_step_at(DepthFormat::unorm24, d, 0.1, 1000), 4.0,
+        1e-9);
+  }
+  EXPECT_LT(stereo_threshold(0.5), occlusion_threshold * 0.5);
+  EXPECT_GT(stereo_threshold(5.0), occlusion_threshold * 5.0);
+  EXPECT_LT(stereo_threshold(10.0), relative_size_threshold * 10.0);
+  EXPECT_GT(stereo_threshold(50.0), relative_size_threshold * 50.0);
+  // A buffer of 24 bits is finer than eyes, one of 16 bits is not (near plane at 10 cm).
+  EXPECT_LT(depth_step_at(DepthFormat::unorm24, 10, 0.1, 1000), stereo_threshold(10));
+  EXPECT_GT(depth_step_at(DepthFormat::unorm16, 10, 0.1, 1000), 0.01 * stereo_threshold(10));
+}
+
+// 4.07: 200 layers that all pass. Without colour the same depth, the same tests, and half of the words written.
+TEST(DepthOnly, WritesHalfOfTheWords) {
+  constexpr int layers = 200;
+  Target both(32, 16), depth_only = both;
+  State no_colour;
+  no_colour.color_mask = {false, false, false, false};
+  std::uint64_t words_both = 0, words_depth = 0;
+  for (int i = 0; i < layers; ++i) {
+    const float z = 0.9f - 0.004f * static_cast<float>(i);
+    const DrawCounts a = draw_window(State(), screen(both, z), red, both);
+    const DrawCounts b = draw_window(no_colour, screen(depth_only, z), red, depth_only);
+    EXPECT_EQ(a.depth_tests, b.depth_tests);
+    words_both += a.depth_writes + a.colour_writes;
+    words_depth += b.depth_writes + b.colour_writes;
+  }
+  EXPECT_EQ(both.depth, depth_only.depth);
+  EXPECT_EQ(words_depth, layers * 32u * 16u);
+  EXPECT_EQ(words_both, 2 * words_depth);
+  EXPECT_EQ(std::count(depth_only.colour.begin(), depth_only.colour.end(), 0u), 32 * 16);
 }
 
 }  // namespace

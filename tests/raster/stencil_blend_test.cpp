@@ -188,6 +188,83 @@ TEST(Stencil, ConstructiveSolidGeometry) {
   }
 }
 
+/// Where the ray meets the faces of a closed mesh, near ones first.
+std::vector<double> crossings(const Mesh& mesh, const PixelRay& ray) {
+  std::vector<double> t;
+  for (const glm::uvec3& f : mesh.triangles) {
+    const glm::dvec3 a(mesh.positions[f.x]), ab = glm::dvec3(mesh.positions[f.y]) - a,
+                                             ac = glm::dvec3(mesh.positions[f.z]) - a;
+    const glm::dvec3 p = glm::cross(ray.direction, ac);
+    const double det = glm::dot(ab, p);
+    if (det == 0) continue;
+    const glm::dvec3 from = ray.origin - a, q = glm::cross(from, ab);
+    const double u = glm::dot(from, p) / det, v = glm::dot(ray.direction, q) / det;
+    if (u >= 0 && v >= 0 && u + v <= 1) t.push_back(glm::dot(ac, q) / det);
+  }
+  std::sort(t.begin(), t.end());
+  return t;
+}
+
+/// First surface of the combination along the ray: 0 nothing, 1 A, 2 B.
+int first_surface(Csg op, const std::vector<double>& a, const std::vector<double>& b) {
+  const auto combined = [&](bool in_a, bool in_b) {
+    return op == Csg::unite ? in_a || in_b : op == Csg::intersect ? in_a && in_b : in_a && !in_b;
+  };
+  bool in_a = false, in_b = false;
+  for (std::size_t i = 0, k = 0; i < a.size() || k < b.size();) {
+    const bool of_a = k == b.size() || (i < a.size() && a[i] < b[k]);
+    if (of_a)
+      ++i, in_a = !in_a;
+    else
+      ++k, in_b = !in_b;
+    if (combined(in_a, in_b)) return of_a ? 1 : 2;
+  }
+  return 0;
+}
+
+// 8.07 for solids that are not convex: a lattice with windows and a dented lathe, several layers deep at most pixels.
+TEST(Stencil, ConstructiveSolidGeometryOfSolidsThatAreNotConvex) {
+  const float lines[] = {-1.5f, -0.9f, -0.3f, 0.3f, 0.9f, 1.5f};
+  std::vector<char> filled(25, 1);
+  for (const int window : {6, 8, 16, 18}) filled[static_cast<std::size_t>(window)] = 0;
+  const Mesh lattice = make_plate(lines, lines, filled, 1.1f);
+  const glm::vec2 profile[] = {{0.9f, -1.3f}, {0.35f, -0.7f}, {1.2f, 0.1f}, {0.3f, 0.6f}, {0.8f, 1.4f}};
+  const Mesh lathe = make_lathe(profile, round_section(12));
+  for (const glm::dvec3 eye : {glm::dvec3(5, 1, 4), glm::dvec3(-6, 2, 0.7), glm::dvec3(0.4, -3, 6)}) {
+    View view = look_along(eye, -eye);
+    view.width = 160;
+    view.height = 120;
+    view.far = 100;
+    std::size_t deepest = 0;
+    int seen_by[3][3] = {};
+    for (const bool swapped : {false, true}) {
+      const Mesh &a = swapped ? lathe : lattice, &b = swapped ? lattice : lathe;
+      const SolidProgram pa{a, view_projection(view), red}, pb{b, view_projection(view), green};
+      for (const Csg op : {Csg::unite, Csg::intersect, Csg::subtract}) {
+        Target target(view.width, view.height);
+        DrawCounts counts;
+        draw_csg(op, pa, std::span<const glm::uvec3>(a.triangles), pb, std::span<const glm::uvec3>(b.triangles), target,
+                 counts);
+        int wrong = 0, seen[3] = {0, 0, 0};
+        for (int y = 0; y < view.height; ++y)
+          for (int x = 0; x < view.width; ++x) {
+            const PixelRay ray = pixel_ray(view, x + 0.5, y + 0.5);
+            const auto in_a = crossings(a, ray), in_b = crossings(b, ray);
+            deepest = std::max({deepest, in_a.size(), in_b.size()});
+            const std::uint32_t colour = at(target, x, y);
+            const int drawn = colour == pack_colour(red) ? 1 : colour == pack_colour(green) ? 2 : 0;
+            ++seen[drawn];
+            wrong += drawn != first_surface(op, in_a, in_b) ? 1 : 0;
+          }
+        EXPECT_LE(wrong, 40) << "operation " << static_cast<int>(op);  // of 19200: centres on edges
+        for (const int k : {1, 2}) seen_by[static_cast<int>(op)][k] += seen[k];
+      }
+    }
+    for (const auto& seen : seen_by) EXPECT_GT(std::min(seen[1], seen[2]), 200);
+    EXPECT_GE(deepest, 4u) << "no pixel with a second layer";
+  }
+}
+
 // 7.02, 7.06: over, additive and filter; A then B is not B then A, except for the commutative two.
 TEST(Blending, OrderMatters) {
   const glm::vec4 a{1, 0.2f, 0, 0.5f}, b{0, 0.4f, 1, 0.25f};
@@ -273,6 +350,53 @@ TEST(Blending, DepthTestMustStayOn) {
   }
   EXPECT_EQ(at(with, 1, 1), pack_colour(green));
   EXPECT_NE(at(without, 1, 1), pack_colour(green));
+}
+
+// 1.20: occlusion alone tells the order of depths, whatever sizes say: of two overlapping discs the one whose outline
+// is whole in the image of the ids is the nearer one.
+TEST(Fixtures, OcclusionTellsTheOrderOfDepths) {
+  Random random(120);
+  const auto disc = [&](float x, float y, float radius, float z) {
+    std::vector<WindowVertex> v;
+    for (int i = 0; i < 24; ++i)
+      for (const int k : {-1, i + 1, i}) {
+        const double turn = k * 6.283185307179586 / 24;
+        v.push_back(k < 0 ? WindowVertex{x, y, z}
+                          : WindowVertex{x + radius * static_cast<float>(std::cos(turn)),
+                                         y + radius * static_cast<float>(std::sin(turn)), z});
+      }
+    return v;
+  };
+  const auto pixels = [](const Target& t, const glm::vec4& colour) {
+    return std::count(t.colour.begin(), t.colour.end(), pack_colour(colour));
+  };
+  int told = 0, larger_is_behind = 0;
+  for (int round = 0; round < 300; ++round) {
+    const auto place = [&] { return static_cast<float>(random.range(20, 44)); };
+    const auto depth = [&] { return static_cast<float>(random.range(0.1, 0.9)); };
+    const float z[2] = {depth(), depth()};
+    const float radius[2] = {static_cast<float>(random.range(4, 16)), static_cast<float>(random.range(4, 16))};
+    const std::vector<WindowVertex> discs[2] = {disc(place(), place(), radius[0], z[0]),
+                                                disc(place(), place(), radius[1], z[1])};
+    const glm::vec4 colours[2] = {red, blue};
+    Target together(64, 64);
+    std::ptrdiff_t whole[2];
+    for (const int i : {0, 1}) {
+      Target alone(64, 64);
+      draw_window(State(), discs[i], colours[i], alone);
+      draw_window(State(), discs[i], colours[i], together);
+      whole[i] = pixels(alone, colours[i]);
+    }
+    const bool cut[2] = {pixels(together, red) < whole[0], pixels(together, blue) < whole[1]};
+    ASSERT_FALSE(cut[0] && cut[1]);
+    if (!cut[0] && !cut[1]) continue;  // they do not overlap: occlusion says nothing
+    ++told;
+    EXPECT_EQ(cut[1], z[0] < z[1]) << round;
+    const int behind = cut[0] ? 0 : 1;
+    larger_is_behind += radius[behind] > radius[1 - behind] ? 1 : 0;
+  }
+  EXPECT_GT(told, 150);
+  EXPECT_GT(larger_is_behind, 50);
 }
 
 // 1.22: Magritte's riders - an image that no order of the depths of whole objects can produce. Each of two flat shapes

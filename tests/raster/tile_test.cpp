@@ -243,6 +243,37 @@ TEST(TileCodec, FlatSurfacesLeaveOnlyTheirPlanes) {
   EXPECT_LT(two, 38u * rounds);
 }
 
+// 5.12 in the fast path: a tile that a triangle's plane could reach but none of its fragments does stays as it is.
+TEST(TileRasteriser, TilesWithoutANearerFragmentStayAsTheyAre) {
+  SceneBuilder builder;
+  Mesh mesh{"wall and tilted triangles",
+            {{-9, -9, -5}, {9, -9, -5}, {9, 9, -5}, {-9, 9, -5}},
+            {{0, 1, 2}, {0, 2, 3}},
+            false,
+            {}};
+  Random random(33);
+  for (std::uint32_t i = 0; i < 20; ++i) {  // through the wall, so that some tiles are cut where the plane is before it
+    for (int k = 0; k < 3; ++k)
+      mesh.positions.emplace_back(random.range(-3, 3), random.range(-3, 3), k == 0 ? -4.5 : random.range(-9, -5.2));
+    mesh.triangles.push_back({4 + 3 * i, 5 + 3 * i, 6 + 3 * i});
+  }
+  const MeshId id = builder.add_mesh(mesh);
+  builder.add_object(id, identity_affine());
+  const Scene scene = builder.build();
+  const TileRasteriser rasteriser(scene);
+  const View view = look_along({0, 0, 0}, {0, 0, -1});
+  for (const bool scalar : {false, true}) {
+    Frame plain, hierarchical;
+    TileStats plain_stats, stats;
+    rasteriser.draw(view, all_objects(scene), {.scalar = scalar}, plain, plain_stats);
+    rasteriser.draw(view, all_objects(scene), {.hierarchical = true, .scalar = scalar}, hierarchical, stats);
+    EXPECT_TRUE(same(plain, hierarchical));
+    EXPECT_GT(stats.work.tiles_unchanged, 50u);
+    EXPECT_LT(stats.work.tiles_unchanged, stats.work.tiles_filled);
+    EXPECT_EQ(plain_stats.work.tiles_unchanged, 0u);
+  }
+}
+
 /// The window positions of a scene's triangles that lie wholly within the view.
 std::vector<std::array<WindowPoint, 3>> window_triangles(const Scene& scene, const View& view) {
   std::vector<std::array<WindowPoint, 3>> out;

@@ -61,11 +61,12 @@ struct alignas(64) ScreenTile {
 };
 
 struct TileCounts {
-  std::uint64_t triangles = 0;       // set up
-  std::uint64_t tested = 0;          // fragments: depth tests
-  std::uint64_t written = 0;         // depth writes
-  std::uint64_t tiles_rejected = 0;  // 8 x 8 tiles of large triangles hidden by `farthest`
-  std::uint64_t tiles_filled = 0;    // 8 x 8 tiles of large triangles that were filled
+  std::uint64_t triangles = 0;        // set up
+  std::uint64_t tested = 0;           // fragments: depth tests
+  std::uint64_t written = 0;          // depth writes
+  std::uint64_t tiles_rejected = 0;   // 8 x 8 tiles of large triangles hidden by `farthest` (reject tests 1 and 2)
+  std::uint64_t tiles_filled = 0;     // 8 x 8 tiles of large triangles that were filled
+  std::uint64_t tiles_unchanged = 0;  // of those: every fragment was behind `farthest` (reject test 3), so it stays
 };
 
 struct DrawFlags {
@@ -106,8 +107,7 @@ struct TileKernels {
   /// Indices of the clusters that no plane shuts out; returns how many.
   std::size_t (*cull)(const ClusterMesh&, const MeshPlane* planes, std::size_t plane_count, std::uint32_t* out);
   BoxImage (*project)(const float* low, const float* high, const BoxTransform&);
-  /// True if everything nearer than... all pixels of the rectangle (image coordinates, cut to the tile) hold surfaces
-  /// nearer than `near`.
+  /// True if all pixels of the box's rectangle, cut to the tile, hold surfaces nearer than anything in the box.
   bool (*hidden)(ScreenTile&, const BoxImage&);
 };
 

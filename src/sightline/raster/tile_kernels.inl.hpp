@@ -358,8 +358,10 @@ HWY_INLINE LargePlane large_plane(const Batch& b, std::size_t k, const ScreenTil
   return p;
 }
 
-template <bool Ids>
-HWY_INLINE void fill_tile(const Batch& b, std::size_t k, const Writer& w, const LargePlane& plane, int row, int column,
+/// Fills an 8 x 8 tile. Hierarchical: true if a fragment was nearer than `farthest` (else reject test 3: no fragment
+/// could change that bound).
+template <bool Ids, bool Hierarchical>
+HWY_INLINE bool fill_tile(const Batch& b, std::size_t k, const Writer& w, const LargePlane& plane, int row, int column,
                           bool full) {
   const TF d;
   const int n = static_cast<int>(lanes());
@@ -369,16 +371,23 @@ HWY_INLINE void fill_tile(const Batch& b, std::size_t k, const Writer& w, const 
   const VF low = hn::Set(d, b.low[k]), high = hn::Set(d, b.high[k]);
   const int first = full ? 0 : std::max(0, b.y0[k] - top),
             last = full ? depth_tile - 1 : std::min(depth_tile - 1, b.y1[k] - top);
+  const VF farthest = hn::Set(d, Hierarchical ? w.tile.farthest[row * tiles_across + column] : 0.0f);
+  auto nearer = hn::Lt(farthest, farthest);
+  const auto write = [&](auto inside, VF z, std::size_t at) HWY_ATTR {
+    if constexpr (Hierarchical) nearer = hn::Or(nearer, hn::And(inside, hn::Gt(z, farthest)));
+    write_row<Ids>(w, inside, z, at);
+  };
   for (int i = 0; i < depth_tile; i += n) {
     const VF zx = hn::Add(base, hn::Mul(hn::Set(d, plane.step_x), hn::Iota(d, static_cast<float>(i))));
+    const auto z = [&](int j) HWY_ATTR {
+      return clamp_depth(hn::Add(zx, hn::Set(d, plane.step_y * static_cast<float>(j))), low, high);
+    };
     const VF px = hn::Iota(d, static_cast<float>(left + i) + 0.5f);
     std::size_t at =
         static_cast<std::size_t>((row * depth_tile + first) * screen_tile_stride + column * depth_tile + i);
     if (full) {
       const auto all = hn::Eq(zx, zx);
-      for (int j = first; j <= last; ++j, at += screen_tile_stride)
-        write_row<Ids>(w, all, clamp_depth(hn::Add(zx, hn::Set(d, plane.step_y * static_cast<float>(j))), low, high),
-                       at);
+      for (int j = first; j <= last; ++j, at += screen_tile_stride) write(all, z(j), at);
       continue;
     }
     VF c[3];
@@ -388,12 +397,11 @@ HWY_INLINE void fill_tile(const Batch& b, std::size_t k, const Writer& w, const 
     c[0] = hn::IfThenElse(beyond, hn::Set(d, std::numeric_limits<float>::infinity()), c[0]);
     for (int j = first; j <= last; ++j, at += screen_tile_stride) {
       const float py = static_cast<float>(top + j) + 0.5f;
-      const auto r = [&](std::size_t e) { return hn::Set(d, b.dx[e][k] * (py - b.ay[e][k])); };
-      const auto inside = hn::And(hn::And(hn::Ge(r(0), c[0]), hn::Ge(r(1), c[1])), hn::Ge(r(2), c[2]));
-      write_row<Ids>(w, inside, clamp_depth(hn::Add(zx, hn::Set(d, plane.step_y * static_cast<float>(j))), low, high),
-                     at);
+      const auto r = [&](std::size_t e) HWY_ATTR { return hn::Set(d, b.dx[e][k] * (py - b.ay[e][k])); };
+      write(hn::And(hn::And(hn::Ge(r(0), c[0]), hn::Ge(r(1), c[1])), hn::Ge(r(2), c[2])), z(j), at);
     }
   }
+  return !Hierarchical || !hn::AllFalse(d, nearer);
 }
 
 template <bool Ids, bool Hierarchical>
@@ -431,7 +439,7 @@ HWY_NOINLINE void fill_large(const Batch& b, std::size_t k, const Writer& w) {
     const auto row_base = static_cast<float>(plane.at_zero + plane.dy * (row * depth_tile));
     const float slack = 4e-6f * (std::abs(row_base) + std::abs(plane.step_x) * static_cast<float>(screen_tile_width)) +
                         grows(plane.step_x) + grows(plane.step_y);
-    std::uint32_t filled = 0;
+    std::uint32_t changed = 0;
     for (int column = first; column <= last; column += n) {
       auto touched = hn::Ge(hn::Set(d, r_most[0]), hn::LoadU(d, least[0] + column));
       auto full = hn::Ge(hn::Set(d, r_least[0]), hn::LoadU(d, most[0] + column));
@@ -453,16 +461,18 @@ HWY_NOINLINE void fill_large(const Batch& b, std::size_t k, const Writer& w) {
         bits &= ~hidden;
       }
       w.counts.tiles_filled += static_cast<std::uint64_t>(std::popcount(bits));
-      filled |= bits << column;
       const std::uint32_t whole = rows_inside ? bits_of(full) : 0;
       for (; bits != 0; bits &= bits - 1) {
         const int lane = std::countr_zero(bits);
         const int x = tile.x0 + (column + lane) * depth_tile;
         const bool inside = ((whole >> lane) & 1) != 0 && x >= b.x0[k] && x + depth_tile - 1 <= b.x1[k];
-        fill_tile<Ids>(b, k, w, plane, row, column + lane, inside);
+        if (fill_tile<Ids, Hierarchical>(b, k, w, plane, row, column + lane, inside))
+          changed |= 1u << (column + lane);
+        else
+          ++w.counts.tiles_unchanged;
       }
     }
-    if constexpr (Hierarchical) tile.dirty[row] |= filled;
+    if constexpr (Hierarchical) tile.dirty[row] |= changed;
   }
 }
 

@@ -267,6 +267,7 @@ void add(TileStats& sum, const TileStats& part) {
   sum.work.written += part.work.written;
   sum.work.tiles_rejected += part.work.tiles_rejected;
   sum.work.tiles_filled += part.work.tiles_filled;
+  sum.work.tiles_unchanged += part.work.tiles_unchanged;
 }
 
 }  // namespace
