@@ -373,10 +373,6 @@ HWY_INLINE bool fill_tile(const Batch& b, std::size_t k, const Writer& w, const 
             last = full ? depth_tile - 1 : std::min(depth_tile - 1, b.y1[k] - top);
   const VF farthest = hn::Set(d, Hierarchical ? w.tile.farthest[row * tiles_across + column] : 0.0f);
   auto nearer = hn::Lt(farthest, farthest);
-  const auto write = [&](auto inside, VF z, std::size_t at) HWY_ATTR {
-    if constexpr (Hierarchical) nearer = hn::Or(nearer, hn::And(inside, hn::Gt(z, farthest)));
-    write_row<Ids>(w, inside, z, at);
-  };
   for (int i = 0; i < depth_tile; i += n) {
     const VF zx = hn::Add(base, hn::Mul(hn::Set(d, plane.step_x), hn::Iota(d, static_cast<float>(i))));
     const auto z = [&](int j) HWY_ATTR {
@@ -387,7 +383,7 @@ HWY_INLINE bool fill_tile(const Batch& b, std::size_t k, const Writer& w, const 
         static_cast<std::size_t>((row * depth_tile + first) * screen_tile_stride + column * depth_tile + i);
     if (full) {
       const auto all = hn::Eq(zx, zx);
-      for (int j = first; j <= last; ++j, at += screen_tile_stride) write(all, z(j), at);
+      for (int j = first; j <= last; ++j, at += screen_tile_stride) write_row<Ids>(w, all, z(j), at);
       continue;
     }
     VF c[3];
@@ -398,10 +394,13 @@ HWY_INLINE bool fill_tile(const Batch& b, std::size_t k, const Writer& w, const 
     for (int j = first; j <= last; ++j, at += screen_tile_stride) {
       const float py = static_cast<float>(top + j) + 0.5f;
       const auto r = [&](std::size_t e) HWY_ATTR { return hn::Set(d, b.dx[e][k] * (py - b.ay[e][k])); };
-      write(hn::And(hn::And(hn::Ge(r(0), c[0]), hn::Ge(r(1), c[1])), hn::Ge(r(2), c[2])), z(j), at);
+      const auto inside = hn::And(hn::And(hn::Ge(r(0), c[0]), hn::Ge(r(1), c[1])), hn::Ge(r(2), c[2]));
+      const VF depth = z(j);
+      if constexpr (Hierarchical) nearer = hn::Or(nearer, hn::And(inside, hn::Gt(depth, farthest)));
+      write_row<Ids>(w, inside, depth, at);
     }
   }
-  return !Hierarchical || !hn::AllFalse(d, nearer);
+  return !Hierarchical || full || !hn::AllFalse(d, nearer);
 }
 
 template <bool Ids, bool Hierarchical>
