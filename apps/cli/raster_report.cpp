@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <filesystem>
 
 #include "camera.hpp"
@@ -61,11 +62,11 @@ void write_plots(const std::string& folder, const Json& json) {
     if (key == "metres") continue;
     Series series{key, {}};
     for (const Json& row : json["just_noticeable"])
-      series.points.emplace_back(row["metres"].get<double>(), std::min(0.1, row[key].get<double>()));
+      series.points.emplace_back(row["metres"].get<double>(), std::max(0.0, -std::log10(row[key].get<double>())));
     noticeable.push_back(std::move(series));
   }
   write_file(folder, "just_noticeable.svg",
-             line_chart("Just noticeable depth, share of the distance (up to a tenth)", "distance, metres", "share",
+             line_chart("Just noticeable depth: digits of the distance", "distance, metres", "-log10 of the share",
                         noticeable, true));
   if (json["traffic"].is_null()) return;
   bars.clear();

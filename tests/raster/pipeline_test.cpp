@@ -6,7 +6,6 @@
 #include <cmath>
 
 #include "raster/pipeline_fixture.hpp"
-#include "sightline/raster/depth_precision.hpp"
 #include "sightline/raster/scene_draw.hpp"
 #include "sightline/scene/generate/generate.hpp"
 #include "sightline/scene/generate/random.hpp"
@@ -130,6 +129,36 @@ TEST(ZBuffer, CyclicOverlapIsTheSameInAnyOrder) {
     EXPECT_EQ(target.colour, first);
   }
   for (const glm::vec4& c : colours) EXPECT_GT(std::count(first.begin(), first.end(), pack_colour(c)), 20);
+}
+
+// 3.12: the work is n triangles plus p fragments: more triangles over the same area leave p as it is, twice the size of
+// the image leaves n and makes p four times as many.
+TEST(ZBuffer, WorkIsTrianglesPlusFragments) {
+  const auto work = [](int cells, int size) {
+    Target target(size, size);
+    std::vector<WindowVertex> v;
+    const float step = static_cast<float>(size / cells);
+    for (int i = 0; i < cells * cells; ++i) {
+      const float x = step * static_cast<float>(i % cells), y = step * static_cast<float>(i / cells);
+      const auto cell = rectangle(x, y, x + step, y + step, 0.5f);
+      v.insert(v.end(), cell.begin(), cell.end());
+    }
+    return draw_window(State(), v, red, target);
+  };
+  const DrawCounts coarse = work(4, 64), fine = work(16, 64), large = work(4, 128);
+  EXPECT_EQ(fine.triangles, 16 * coarse.triangles);
+  EXPECT_EQ(fine.fragments, coarse.fragments);
+  EXPECT_EQ(large.triangles, coarse.triangles);
+  EXPECT_EQ(large.fragments, 4 * coarse.fragments);
+}
+
+// 3.02, 3.21: what a z-buffer costs is memory: 1280 x 1024 pixels with 32 bits of depth take eight times the 640 kB
+// that once ought to have been enough.
+TEST(ZBuffer, MemoryIsTheObjectionOfOldTimes) {
+  const Target target(1280, 1024);
+  const std::size_t depth_bytes = target.depth.size() * sizeof target.depth[0];
+  EXPECT_EQ(depth_bytes, 1280u * 1024u * 4u);
+  EXPECT_EQ(depth_bytes / (640 * 1024), 8u);
 }
 
 // 3.15: n bits distinguish 2^n depths.
@@ -315,47 +344,6 @@ TEST(EarlyZ, DepthPrePassLeavesNoOverdraw) {
   for (std::size_t i = 0; i < one_pass.colour.size(); ++i)
     different += one_pass.colour[i] != two_passes.colour[i] ? 1 : 0;
   EXPECT_LE(different, covered / 200);
-}
-
-// 3.15-3.17: two planes are drawn farther and farther away until the nearer one is lost at half of the pixels: there
-// the slope of the depth is half a step per gap, sqrt(2) farther than one step per gap.
-TEST(DepthPrecision, PlanesFightWhereTheSlopeOfDepthSays) {
-  const double near = 0.1, far = 1000.0, apart = 0.05;
-  for (const DepthFormat format :
-       {DepthFormat::unorm16, DepthFormat::unorm20, DepthFormat::unorm24, DepthFormat::float32}) {
-    const double predicted = fighting_distance(format, apart, near, far);
-    EXPECT_NEAR(depth_step_at(format, predicted, near, far), apart, 1e-9);
-    double half = 0;
-    for (double d = near * 2; d < far && half == 0; d *= 1.01)
-      if (fighting_share(format, d, apart, near, far) >= 0.5) half = d;
-    ASSERT_GT(half, 0.0);
-    const double ratio = half / (predicted * std::sqrt(2.0));
-    EXPECT_LE(ratio, 1.04) << depth_bits(format);
-    // Window depths of corners are floats: 2^-24 is their rounding and with these formats a whole step, so that a gap
-    // of one step and a half may look like half a step.
-    const bool fine = format == DepthFormat::unorm24 || format == DepthFormat::float32;
-    EXPECT_GE(ratio, fine ? std::sqrt(0.5 / 1.5) : 0.96) << depth_bits(format);
-    EXPECT_EQ(fighting_share(format, 0.5 * predicted, apart, near, far), 0.0) << depth_bits(format);
-    EXPECT_GT(fighting_share(format, 4 * predicted, apart, near, far), 0.8) << depth_bits(format);
-  }
-}
-
-// 1.21: what is just noticeable. Eyes and depth buffers both lose with the square of the distance; occlusion, of which
-// eyes need but an edge, stays the same share of it, and from a few metres on it tells more than two eyes.
-TEST(DepthPrecision, JustNoticeableDepths) {
-  for (const double d : {1.0, 7.0, 40.0}) {
-    EXPECT_NEAR(stereo_threshold(2 * d) / stereo_threshold(d), 4.0, 1e-12);
-    EXPECT_NEAR(
-        depth_step_at(DepthFormat::unorm24, 2 * d, 0.1, 1000) / depth_step_at(DepthFormat::unorm24, d, 0.1, 1000), 4.0,
-        1e-9);
-  }
-  EXPECT_LT(stereo_threshold(0.5), occlusion_threshold * 0.5);
-  EXPECT_GT(stereo_threshold(5.0), occlusion_threshold * 5.0);
-  EXPECT_LT(stereo_threshold(10.0), relative_size_threshold * 10.0);
-  EXPECT_GT(stereo_threshold(50.0), relative_size_threshold * 50.0);
-  // A buffer of 24 bits is finer than eyes, one of 16 bits is not (near plane at 10 cm).
-  EXPECT_LT(depth_step_at(DepthFormat::unorm24, 10, 0.1, 1000), stereo_threshold(10));
-  EXPECT_GT(depth_step_at(DepthFormat::unorm16, 10, 0.1, 1000), 0.01 * stereo_threshold(10));
 }
 
 // 4.07: 200 layers that all pass. Without colour the same depth, the same tests, and half of the words written.

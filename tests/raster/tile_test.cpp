@@ -8,7 +8,6 @@
 #include "agreement/cases.hpp"
 #include "raster/pipeline_fixture.hpp"
 #include "sightline/parallel/parallel.hpp"
-#include "sightline/raster/depth_pyramid.hpp"
 #include "sightline/raster/scene_draw.hpp"
 #include "sightline/raster/tile_memory.hpp"
 #include "sightline/raster/tile_rasteriser.hpp"
@@ -150,99 +149,6 @@ TEST(TileRasteriser, HiddenTilesOfALargeTriangleAreLeftOut) {
   EXPECT_EQ(std::count_if(frame.triangle.begin(), frame.triangle.end(), [](std::uint32_t t) { return t == 1; }), 0);
 }
 
-DepthTile random_tile(Random& random, int kind) {
-  DepthTile tile;
-  const double z = random.range(0, 1 << 24), dx = random.range(-3000, 3000), dy = random.range(-3000, 3000);
-  const double z2 = random.range(0, 1 << 24);
-  const double bend = random.range(-40, 40);
-  std::array<double, 64> twisted{};  // noise in the mixed differences
-  for (std::size_t i = 0; i < 64; ++i)
-    twisted[i] = (i == 0       ? z
-                  : i < 8      ? dx
-                  : i % 8 == 0 ? dy
-                               : bend) +
-                 random.range(-20, 20) + (i % 8 > 0 ? twisted[i - 1] : 0) + (i >= 8 ? twisted[i - 8] : 0) -
-                 (i >= 8 && i % 8 > 0 ? twisted[i - 9] : 0);
-  for (std::size_t i = 0; i < 64; ++i) {
-    const double x = static_cast<double>(i % 8), y = static_cast<double>(i / 8);
-    double v = z + dx * x + dy * y;
-    if (kind == 1) v += bend * y * y + 3 * bend * x * y + (dx > 0 ? 9 * bend * x * x : 0);
-    if (kind == 2 && x + y > 8) v = z2;
-    if (kind == 3) v = random.range(0, 1 << 24);
-    if (kind == 4) v = random.below(2) == 0 ? 0 : 0xFFFFFF;
-    if (kind == 5) v += random.range(-60, 60);
-    if (kind == 6) v = twisted[i];
-    if (kind == 7) v += 9 * bend * y * y;
-    tile[i] = static_cast<std::uint32_t>(std::clamp(v, 0.0, 16777215.0));
-  }
-  return tile;
-}
-
-// 5.14: lossless, whatever the tile, with the scalar decoder and that of every SIMD target.
-TEST(TileCodec, IsLossless) {
-  Random random(8);
-  std::size_t modes[tile_modes] = {};
-  std::vector<DepthTile> tiles;
-  std::vector<PackedTile> packed;
-  for (int round = 0; round < 20000; ++round) {
-    tiles.push_back(random_tile(random, round % 8));
-    packed.push_back(encode_tile(tiles.back()));
-    ++modes[static_cast<std::size_t>(packed.back().mode)];
-    ASSERT_LE(packed.back().size, raw_tile_bytes);
-    // What the size does not count must not matter.
-    std::fill(packed.back().bytes.begin() + packed.back().size, packed.back().bytes.end(), std::uint8_t{0xA5});
-    DepthTile scalar{};
-    decode_tile_scalar(packed.back(), scalar);
-    ASSERT_EQ(scalar, tiles.back()) << round;
-  }
-  for (std::size_t mode = 0; mode < tile_modes; ++mode) EXPECT_GT(modes[mode], 100u) << mode;  // each is met
-  hwy::SetSupportedTargetsForTest(0);
-  for (auto targets = static_cast<std::int64_t>(hwy::SupportedTargets()); targets != 0; targets &= targets - 1) {
-    hwy::SetSupportedTargetsForTest(targets & -targets);
-    std::vector<DepthTile> together(tiles.size());
-    decode_tiles(packed.data(), packed.size(), together.data());
-    for (std::size_t i = 0; i < tiles.size(); ++i) {
-      DepthTile tile{};
-      decode_tile(packed[i], tile);
-      ASSERT_EQ(tile, tiles[i]) << i << " " << hwy::TargetName(targets & -targets);
-      ASSERT_EQ(together[i], tiles[i]) << i << " " << hwy::TargetName(targets & -targets);
-    }
-  }
-  hwy::SetSupportedTargetsForTest(0);
-  DepthTile flat;
-  flat.fill(0xABCDEF);
-  EXPECT_LE(encode_tile(flat).size * 13, raw_tile_bytes);
-  EXPECT_EQ(dpcm_first_order_bytes(flat), 4u);
-}
-
-// A flat surface leaves nothing but its plane, whatever its slopes and where its roundings fall; a crease or a
-// silhouette between two flat ones little more than two planes and their mask.
-TEST(TileCodec, FlatSurfacesLeaveOnlyTheirPlanes) {
-  Random random(21);
-  std::size_t one = 0, two = 0;
-  constexpr int rounds = 500;
-  for (int round = 0; round < rounds; ++round) {
-    const auto plane = [&] {
-      return std::array{random.range(4e6, 12e6), random.range(-20000, 20000), random.range(-20000, 20000)};
-    };
-    const auto a = plane(), b = plane();
-    const double cut = random.range(3, 11), turn = random.range(-1, 1);
-    DepthTile flat, creased;
-    for (std::size_t i = 0; i < 64; ++i) {
-      const double x = static_cast<double>(i % 8), y = static_cast<double>(i / 8);
-      const auto at = [&](const auto& p) {
-        return static_cast<std::uint32_t>(std::lround(p[0] + p[1] * x + p[2] * y));
-      };
-      flat[i] = at(a);
-      creased[i] = x + turn * y + y < cut ? at(a) : at(b);
-    }
-    one += encode_tile(flat).size;
-    two += encode_tile(creased).size;
-  }
-  EXPECT_LT(one, 15u * rounds);
-  EXPECT_LT(two, 38u * rounds);
-}
-
 // 5.12 in the fast path: a tile that a triangle's plane could reach but none of its fragments does stays as it is.
 TEST(TileRasteriser, TilesWithoutANearerFragmentStayAsTheyAre) {
   SceneBuilder builder;
@@ -342,37 +248,6 @@ TEST(TileMemory, ImageIsThatOfThePlainZBufferAndFeaturesSaveTraffic) {
       }
 }
 
-// 5.01: each level is the farthest of n x n; queries are conservative and exact for whole images.
-TEST(DepthPyramid, LevelsAndQueries) {
-  Random random(4);
-  for (const int n : {2, 3, 4, 8}) {
-    const int width = 61, height = 37;
-    std::vector<float> depth(static_cast<std::size_t>(width * height));
-    for (float& d : depth) d = static_cast<float>(random.range(1, 2));
-    DepthPyramid pyramid(depth, width, height, n);
-    for (int i = 0; i < 50; ++i) {
-      const int x = static_cast<int>(random.below(width)), y = static_cast<int>(random.below(height));
-      auto& d = depth[static_cast<std::size_t>(y * width + x)];
-      d *= 0.7f;
-      pyramid.update(x, y, d);
-    }
-    const DepthPyramid fresh(depth, width, height, n);
-    for (std::size_t l = 0; l < fresh.levels().size(); ++l)
-      EXPECT_EQ(pyramid.levels()[l].farthest, fresh.levels()[l].farthest);
-    EXPECT_EQ(pyramid.levels().back().at(0, 0), *std::max_element(depth.begin(), depth.end()));
-    for (int i = 0; i < 2000; ++i) {
-      const int x0 = static_cast<int>(random.below(width)), y0 = static_cast<int>(random.below(height));
-      const int x1 = x0 + 1 + static_cast<int>(random.below(static_cast<std::uint32_t>(width - x0)));
-      const int y1 = y0 + 1 + static_cast<int>(random.below(static_cast<std::uint32_t>(height - y0)));
-      const float nearest = static_cast<float>(random.range(0.8, 2.1));
-      bool all = true;
-      for (int y = y0; y < y1; ++y)
-        for (int x = x0; x < x1; ++x) all = all && depth[static_cast<std::size_t>(y * width + x)] < nearest;
-      ASSERT_EQ(pyramid.hides(x0, y0, x1, y1, nearest), all);
-    }
-  }
-}
-
 // 6.01-6.07, E9: the definitions count different things, and overdraw depends on the order.
 TEST(DepthComplexity, DefinitionsAndOrders) {
   Target target(16, 16);
@@ -398,6 +273,45 @@ TEST(DepthComplexity, DefinitionsAndOrders) {
   target.count_pixels();
   draw_window(culled, screen(target, 0.5f), {1, 1, 1, 1}, target);
   EXPECT_EQ(target.counts.depth_tests[5], 0u);
+}
+
+// 6.06: the same layers are six one behind the other or, seen from the side, one.
+TEST(DepthComplexity, DependsOnViewpointAndDirection) {
+  SceneBuilder builder;
+  const MeshId plate =
+      builder.add_mesh({"plate", {{-1, -1, 0}, {1, -1, 0}, {1, 1, 0}, {-1, 1, 0}}, {{0, 1, 2}, {0, 2, 3}}, false, {}});
+  for (int i = 0; i < 6; ++i) builder.add_object(plate, {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {3.0f * i, 0, -3.0f * i}});
+  const Scene scene = builder.build();
+  const auto largest = [&](const View& view) {
+    Target target(view.width, view.height);
+    target.count_pixels();
+    SceneDraw untested;
+    untested.state.depth.enabled = false;
+    DrawCounts counts;
+    draw_scene(scene, view, all_objects(scene), untested, target, counts);
+    return *std::max_element(target.counts.fragments.begin(), target.counts.fragments.end());
+  };
+  View view = look_along({-6, 0, 6}, {1, 0, -1});
+  view.width = view.height = 120;
+  EXPECT_EQ(largest(view), 6u);
+  view = look_along({7.5f, 0, 20}, {0, 0, -1});
+  view.width = view.height = 120;
+  EXPECT_EQ(largest(view), 1u);
+}
+
+// 4.10: a depth pre-pass with the hierarchy leaves the same depth and draws fewer triangles by a third at least.
+TEST(TileRasteriser, TheHierarchyMakesADepthPrePassCheap) {
+  const SceneAndView task = instanced_spheres(6);
+  const Scene& scene = task.scene;
+  const TileRasteriser rasteriser(scene);
+  const View& view = task.view;
+  Frame plain, hierarchical;
+  TileStats plain_stats, stats;
+  rasteriser.draw(view, all_objects(scene), {.ids = false}, plain, plain_stats);
+  rasteriser.draw(view, all_objects(scene), {.ids = false, .hierarchical = true}, hierarchical, stats);
+  EXPECT_EQ(plain.depth, hierarchical.depth);
+  EXPECT_TRUE(plain.object.empty());
+  EXPECT_LT(3 * stats.triangles_in, 2 * plain_stats.triangles_in);
 }
 
 // 6.08, E10: in random order the expected number of colour writes is H_n, not ln n + 0.5.
