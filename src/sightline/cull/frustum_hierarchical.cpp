@@ -9,7 +9,7 @@ namespace sightline {
 namespace {
 
 /// Subtrees with at most so many objects are tested object by object, a vector of them at once.
-constexpr std::uint32_t few = 64;
+constexpr std::uint32_t few = 256;
 constexpr std::uint32_t largest_leaf = 255;
 
 class FrustumHierarchical final : public Culler {
@@ -21,7 +21,7 @@ class FrustumHierarchical final : public Culler {
         boxes_(in_tree_order(scene)),
         ranges_(bvh_.nodes.size()),
         last_plane_(bvh_.nodes.size(), 0),
-        found_(largest_leaf + 16) {
+        found_(std::max(few, largest_leaf) + 64) {
     for (std::size_t i = bvh_.nodes.size(); i-- > 0;) {
       const BvhNode& node = bvh_.nodes[i];
       ranges_[i] = node.leaf() ? ItemRange{node.first, node.first + node.count}
@@ -61,6 +61,7 @@ class FrustumHierarchical final : public Culler {
       }
       counters.boxes_tested += items.end - items.begin;
       const std::size_t found = boxes_in_frustum(boxes_, items.begin, items.end, frustum, planes, found_.data());
+      std::size_t kept = 0;
       for (std::size_t i = 0; i < found; ++i) {
         const std::uint32_t item = found_[i];
         const ObjectId id = bvh_.items[item];
@@ -69,8 +70,9 @@ class FrustumHierarchical final : public Culler {
           ++counters.corner_rejects;
           continue;
         }
-        visible.insert(id);
+        found_[kept++] = id;
       }
+      visible.insert_new(std::span(found_).first(kept));
     }
   }
 

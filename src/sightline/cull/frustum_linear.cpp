@@ -8,7 +8,7 @@ namespace {
 class FrustumLinear final : public Culler {
  public:
   FrustumLinear(const Scene& scene, bool scalar)
-      : boxes_(scene.object_bounds()), reach_(reach(scene.bounds())), scalar_(scalar), ids_(boxes_.count + 16) {}
+      : boxes_(scene.object_bounds()), reach_(reach(scene.bounds())), scalar_(scalar), ids_(boxes_.count + 64) {}
 
   void cull(const View& view, const VisibleSet& candidates, VisibleSet& visible, Counters& counters) override {
     visible.reset(candidates.universe());

@@ -9,11 +9,14 @@
 #define SIGHTLINE_RASTER_OCCLUSION_PREPARE_INL
 #endif
 
+#include "sightline/geometry/lane_ids.inl.hpp"
 #include "sightline/raster/occlusion_kernels.inl.hpp"
 #include "sightline/raster/occlusion_query.inl.hpp"
 
 HWY_BEFORE_NAMESPACE();
 namespace sightline::raster::HWY_NAMESPACE {
+
+using sightline::HWY_NAMESPACE::store_lane_ids;
 
 /// Vertices to pixels. For a partial mesh also which of them floats get right.
 template <bool partial>
@@ -169,12 +172,11 @@ class Preparation {
         return hn::And(hn::Ge(max3(p0, p1, p2), before), hn::Le(min3(p0, p1, p2), high));
       };
       drawn = hn::And(drawn, hn::And(meets(x0, x1, x2, right), meets(y0, y1, y2, bottom)));
-      const auto ids = hn::Iota(di, static_cast<std::int32_t>(i));
       const auto to_front = hn::And(drawn, hn::Gt(facing, zero));
-      front_ += hn::CompressStore(ids, hn::RebindMask(di, to_front), di, s_.front.data() + front_);
+      front_ += store_lane_ids(d, to_front, i, s_.front.data() + front_);
       if (mesh_.closed) continue;
       const auto to_back = hn::And(drawn, hn::Lt(facing, zero));
-      back_ += hn::CompressStore(ids, hn::RebindMask(di, to_back), di, s_.back.data() + back_);
+      back_ += store_lane_ids(d, to_back, i, s_.back.data() + back_);
     }
   }
 
@@ -284,8 +286,7 @@ class Preparation {
       const auto inner = hn::And(hn::And(first, second), hn::Gt(hn::LoadU(d, mesh_.edge_winding.data() + i), zero));
       auto contour = hn::AndNot(inner, hn::Or(first, second));
       contour = hn::And(contour, hn::FirstN(d, std::min(float_lanes(), end - i)));
-      const auto ids = hn::Iota(di, static_cast<std::int32_t>(i));
-      count += hn::CompressStore(ids, hn::RebindMask(di, contour), di, s_.edges.data() + count);
+      count += store_lane_ids(d, contour, i, s_.edges.data() + count);
     }
     return count;
   }
