@@ -15,10 +15,11 @@ constexpr std::uint32_t largest_leaf = 255;
 class FrustumHierarchical final : public Culler {
  public:
   FrustumHierarchical(const IndexedScene& scene, bool corners)
-      : bvh_(scene.bvh),
+      : scene_(scene.scene),
+        bvh_(scene.bvh),
         reach_(reach(scene.scene.bounds())),
         corners_(corners),
-        boxes_(in_tree_order(scene)),
+        boxes_(in_tree_order()),
         ranges_(bvh_.nodes.size()),
         last_plane_(bvh_.nodes.size(), 0),
         found_(std::max(few, largest_leaf) + 64) {
@@ -27,7 +28,7 @@ class FrustumHierarchical final : public Culler {
       ranges_[i] = node.leaf() ? ItemRange{node.first, node.first + node.count}
                                : ItemRange{ranges_[node.first].begin, ranges_[node.first + 1].end};
     }
-    for (const ObjectId id : bvh_.items) has_empty_ = has_empty_ || scene.scene.objects()[id].bounds.empty();
+    for (const ObjectId id : bvh_.items) has_empty_ = has_empty_ || scene_.objects()[id].bounds.empty();
   }
 
   void cull(const View& view, const VisibleSet& candidates, VisibleSet& visible, Counters& counters) override {
@@ -76,6 +77,12 @@ class FrustumHierarchical final : public Culler {
     }
   }
 
+  bool follow_scene() override {  // whether a box is empty depends on its mesh alone
+    boxes_ = in_tree_order();
+    reach_ = reach(scene_.bounds());
+    return true;
+  }
+
   void reset() override { std::fill(last_plane_.begin(), last_plane_.end(), std::uint8_t{0}); }
 
  private:
@@ -83,10 +90,10 @@ class FrustumHierarchical final : public Culler {
     std::uint32_t node, planes;
   };
 
-  static BoxArrays in_tree_order(const IndexedScene& scene) {
+  [[nodiscard]] BoxArrays in_tree_order() const {
     std::vector<Aabb> boxes;
-    boxes.reserve(scene.bvh.items.size());
-    for (const ObjectId id : scene.bvh.items) boxes.push_back(scene.scene.objects()[id].bounds);
+    boxes.reserve(bvh_.items.size());
+    for (const ObjectId id : bvh_.items) boxes.push_back(scene_.objects()[id].bounds);
     return BoxArrays(boxes);
   }
 
@@ -123,6 +130,7 @@ class FrustumHierarchical final : public Culler {
     return false;
   }
 
+  const Scene& scene_;
   const Bvh& bvh_;
   double reach_;
   bool corners_, has_empty_ = false;
