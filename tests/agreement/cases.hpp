@@ -53,6 +53,17 @@ inline Scene gap_scene(float gap) {
   return builder.build();
 }
 
+/// Cubes and large quads at random places, for tests that move them.
+inline Scene moving_boxes(std::uint64_t seed) {
+  SceneBuilder builder;
+  const MeshId box = builder.add_mesh(cube(2.0f)), wall = builder.add_mesh(quad({-8, -8, 0}, {16, 0, 0}, {0, 16, 0}));
+  Random random(seed);
+  for (int i = 0; i < 150; ++i)
+    builder.add_object(i % 5 == 0 ? wall : box,
+                       at({random.range(-30, 30), random.range(-30, 30), random.range(-30, 30)}));
+  return builder.build();
+}
+
 /// Zero-area triangles, duplicated and coplanar faces, inverted and squashed instances, an empty mesh, glass.
 inline Scene degenerate_scene() {
   SceneBuilder builder;

@@ -161,5 +161,41 @@ TEST(CullerAgreement, TheVerdictFindsWhatIsMissing) {
   EXPECT_EQ(verdict.missed_samples, truth.samples[0]);
 }
 
+// Objects that move from frame to frame, on the first frame after every move.
+TEST(CullerAgreement, NothingSeenIsMissedAfterObjectsMoved) {
+  for (const std::uint64_t seed : {1u, 2u}) {
+    Scene scene = cases::moving_boxes(seed);
+    IndexedScene indexed = index_scene(scene);
+    const std::vector<std::string> list{"frustum_linear", "frustum_hierarchical:corners=on", "occlusion_masked",
+                                        "occlusion_masked:tight=1.4", "occlusion_masked:occluders=auto:min_size=1"};
+    std::vector<std::unique_ptr<Culler>> cullers;
+    for (const std::string& text : list) cullers.push_back(make_culler(text, indexed));
+    const VisibleSet all = VisibleSet::all(scene.objects().size());
+    Random random(seed + 10);
+    std::size_t culled = 0;
+    for (int frame = 0; frame < 12; ++frame) {
+      std::vector<Scene::Move> moves;
+      for (ObjectId id = 0; id < scene.objects().size(); ++id)
+        if (random.below(3) == 0)
+          moves.push_back({id, cases::at({random.range(-30, 30), random.range(-30, 30), random.range(-30, 30)})});
+      scene.move_objects(moves);
+      refit(indexed);
+      View view = look_along({random.range(-30, 30), random.range(-30, 30), random.range(-30, 30)}, random.direction());
+      view.width = 160;
+      view.height = 90;
+      const Truth truth = Oracle(scene).look(view, 4);
+      for (std::size_t c = 0; c < list.size(); ++c) {
+        ASSERT_TRUE(cullers[c]->follow_scene()) << list[c];
+        VisibleSet visible;
+        Counters counters;
+        cullers[c]->cull(view, all, visible, counters);
+        EXPECT_TRUE(judge(truth, visible).missed.empty()) << list[c] << " in frame " << frame << ", seed " << seed;
+        culled += all.count() - visible.count();
+      }
+    }
+    EXPECT_GT(culled, 1000u);
+  }
+}
+
 }  // namespace
 }  // namespace sightline

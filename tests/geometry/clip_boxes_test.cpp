@@ -48,7 +48,7 @@ TEST(ClipBoxes, BatchHoldsTheDefinitionAndIsAsTight) {
     const std::vector<Aabb> boxes = random_boxes(200, i);
     const BoxArrays arrays(boxes);
     const glm::dmat4 clip = view_projection(random_view(random, i));
-    std::vector<std::uint32_t> ids(boxes.size() + 16);
+    std::vector<std::uint32_t> ids(boxes.size() + 64);
     ids.resize(boxes_in_clip_space(arrays, clip_rows(clip, 60), ids.data()));
     std::vector<bool> found(boxes.size());
     for (const std::uint32_t id : ids) found[id] = true;
@@ -73,7 +73,7 @@ TEST(ClipBoxes, EveryTargetAndTailGivesTheReferencesAnswer) {
     for (std::size_t count = 0; count < 70; ++count) {
       const BoxArrays boxes(random_boxes(count, count));
       const ClipRows rows = clip_rows(view_projection(random_view(random, count)), 60);
-      std::vector<std::uint32_t> a(count + 16), b(count + 16);
+      std::vector<std::uint32_t> a(count + 64), b(count + 16);
       a.resize(boxes_in_clip_space(boxes, rows, a.data()));
       b.resize(boxes_in_clip_space_scalar(boxes, rows, b.data()));
       EXPECT_EQ(a, b) << count << " on " << hwy::TargetName(target);

@@ -22,7 +22,7 @@ std::vector<Aabb> random_boxes(std::size_t count, std::uint64_t seed) {
 
 std::vector<std::uint32_t> found(const BoxArrays& boxes, const Frustum& frustum,
                                  std::size_t (*test)(const BoxArrays&, const Frustum&, std::uint32_t*)) {
-  std::vector<std::uint32_t> ids(boxes.count + 16);
+  std::vector<std::uint32_t> ids(boxes.count + 64);
   ids.resize(test(boxes, frustum, ids.data()));
   return ids;
 }
@@ -58,7 +58,7 @@ TEST(FrustumBoxes, RangesAndPlaneMasks) {
     const View view = look_along({random.range(-50, 50), 0, random.range(-50, 50)}, random.direction());
     const Frustum frustum = view_frustum(view, 60);
     const std::uint32_t mask = random.below(64), begin = random.below(300), end = begin + random.below(301 - begin);
-    std::vector<std::uint32_t> ids(end - begin + 16), expected;
+    std::vector<std::uint32_t> ids(end - begin + 64), expected;
     ids.resize(boxes_in_frustum(boxes, begin, end, frustum, mask, ids.data()));
     for (std::uint32_t i = begin; i < end; ++i) {
       bool in = !list[i].empty();
@@ -68,6 +68,24 @@ TEST(FrustumBoxes, RangesAndPlaneMasks) {
     }
     EXPECT_EQ(ids, expected) << round;
   }
+}
+
+// An empty box beside planes along the axes: 0 * infinity, which must not swallow its neighbours in a vector.
+TEST(FrustumBoxes, EmptyBoxesHideNoNeighboursFromPlanesAlongTheAxes) {
+  std::vector<Aabb> list(150);
+  for (std::size_t i = 0; i < list.size(); i += 3) list[i] = {glm::vec3(-1), glm::vec3(1)};
+  const BoxArrays boxes(list);
+  Frustum frustum;
+  for (const glm::vec3 normal : {glm::vec3(1, 0, 0), glm::vec3(0, 1, 0), glm::vec3(0, 0, 1), glm::vec3(-1, 0, 0),
+                                 glm::vec3(0, -1, 0), glm::vec3(0, 0, -1)})
+    frustum.planes[static_cast<std::size_t>(frustum.count++)] = {normal, 5.0f};
+  for (const std::int64_t target : hwy::SupportedAndGeneratedTargets()) {
+    hwy::SetSupportedTargetsForTest(target);
+    hwy::GetChosenTarget().DeInit();
+    EXPECT_EQ(found(boxes, frustum, boxes_in_frustum).size(), 50u) << hwy::TargetName(target);
+  }
+  hwy::SetSupportedTargetsForTest(0);
+  hwy::GetChosenTarget().DeInit();
 }
 
 }  // namespace

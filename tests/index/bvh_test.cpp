@@ -120,6 +120,33 @@ TEST(Bvh, EveryConfig) {
     for (const int bins : {2, 3, 16, 64}) expect_good(boxes, {.max_leaf_size = leaf, .bins = bins});
 }
 
+// Beyond some number of boxes a tree over groups of neighbours comes first.
+TEST(Bvh, ManyBoxes) {
+  std::vector<Aabb> boxes = random_boxes(40000, 1000, 5, 9);
+  for (const int leaf : {1, 4, 255}) expect_good(boxes, {.max_leaf_size = leaf});
+  for (std::size_t i = 0; i < boxes.size(); i += 7) boxes[i] = {};
+  expect_good(boxes);
+  boxes[5] = {glm::vec3(-3e38f), glm::vec3(-2e38f)};
+  boxes[8] = {glm::vec3(2e38f), glm::vec3(3e38f)};
+  expect_good(boxes);
+  expect_good(std::vector<Aabb>(40000, Aabb{{1, 2, 3}, {4, 5, 6}}));
+  expect_good(std::vector<Aabb>(40000));
+}
+
+TEST(Bvh, OneFarBoxAmongManySpoilsNothing) {
+  std::vector<Aabb> boxes = random_boxes(40000, 1000, 5, 9);
+  const auto cost = [&] {
+    const Bvh bvh = build_bvh(boxes);
+    double sum = 0;
+    for (const BvhNode& node : bvh.nodes)
+      if (node.bounds.hi.x < 2000.0f) sum += static_cast<double>(node.bounds.half_area()) * std::max(node.count, 1u);
+    return sum;
+  };
+  const double without = cost();
+  boxes.back() = {glm::vec3(1e8f), glm::vec3(2e8f)};  // now all others share a cell
+  EXPECT_LT(cost(), 1.5 * without);
+}
+
 TEST(Bvh, SameForEveryNumberOfThreads) {
   const std::vector<Aabb> boxes = random_boxes(200000, 1000, 5, 6);
   const auto build = [&](int threads) {

@@ -300,6 +300,21 @@ TEST(OcclusionBuffer, CentresAloneHideMoreThanSquares) {
   }
 }
 
+TEST(OcclusionBuffer, CentresOfAFinerBufferAreAGridOfSamples) {
+  // The gaps of the same fence are a tenth of a pixel wide and lie between pixels: none of 4 x 4 samples falls into
+  // one, some of 16 x 16 do.
+  View view = front_view(64, 36);
+  view.projection = Projection::orthographic;
+  view.span_y = 36;
+  const OccluderMesh board = occluder(cases::quad({-0.45f, -20, -5}, {0.9f, 0, 0}, {0, 40, 0}));
+  for (const int samples : {4, 16}) {
+    OcclusionBuffer buffer;
+    buffer.begin(view, samples * 64, samples * 36, Coverage::centres);
+    for (int i = -40; i < 40; ++i) buffer.add_occluder(board, cases::at({static_cast<float>(i) + 0.5f, 0, 0}));
+    EXPECT_EQ(buffer.may_be_seen(box_at({0, 0, -9}, 3)), samples == 16);
+  }
+}
+
 TEST(OcclusionBuffer, EmptyAndBrokenOccludees) {
   OcclusionBuffer buffer;
   buffer.begin(front_view(), 80, 45);

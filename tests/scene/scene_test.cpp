@@ -97,6 +97,29 @@ TEST(Scene, MeshWithoutTrianglesHasEmptyBounds) {
   EXPECT_TRUE(scene.bounds().empty());
 }
 
+TEST(Scene, MovedObjectsTakeTheirBoundsAlong) {
+  SceneBuilder builder;
+  Mesh triangle;
+  triangle.positions = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
+  triangle.triangles = {{0, 1, 2}};
+  const MeshId mesh = builder.add_mesh(triangle);
+  for (int i = 0; i < 2; ++i) builder.add_object(mesh, identity_affine());
+  Scene scene = builder.build();
+  const auto at = [](float x) { return Affine{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {x, 0, 0}}; };
+  scene.move_objects(std::vector<Scene::Move>{{1, at(10)}});
+  EXPECT_EQ(scene.objects()[1].transform[3].x, 10.0f);
+  EXPECT_TRUE(scene.objects()[1].bounds.contains({{10, 0, 0}, {11, 1, 0}}));
+  EXPECT_NEAR(scene.bounds().hi.x, 11.0f, 1e-4f);
+  scene.move_objects(std::vector<Scene::Move>{{1, at(0)}});
+  EXPECT_NEAR(scene.bounds().hi.x, 1.0f, 1e-4f) << "the scene shrinks again";
+  // Nothing moves when one of several cannot.
+  for (const Scene::Move& bad : {Scene::Move{2, at(1)}, Scene::Move{1, at(std::numeric_limits<float>::quiet_NaN())},
+                                 Scene::Move{1, at(1e16f)}}) {
+    EXPECT_THROW(scene.move_objects(std::vector<Scene::Move>{{0, at(5)}, bad}), InputError);
+    EXPECT_EQ(scene.objects()[0].transform[3].x, 0.0f);
+  }
+}
+
 TEST(Scene, BuilderNamesWhatIsWrong) {
   struct Case {
     const char* what;

@@ -30,4 +30,6 @@ std::string_view to_string(Promise promise) {
 
 IndexedScene index_scene(const Scene& scene) { return {scene, build_bvh(scene.object_bounds())}; }
 
+void refit(IndexedScene& scene) { refit(scene.bvh, scene.scene.object_bounds()); }
+
 }  // namespace sightline

@@ -23,6 +23,10 @@ class Culler {
   /// True if its parameters trade the promise of its row for speed: then it is to be judged as an approximate method.
   [[nodiscard]] virtual bool approximate() const { return false; }
 
+  /// Brings what it keeps of objects' places up to date, after Scene::move_objects and refit(IndexedScene). False if it
+  /// cannot: then it is to be made anew before the next frame.
+  [[nodiscard]] virtual bool follow_scene() { return false; }
+
   /// Forgets everything learnt from earlier frames.
   virtual void reset() {}
 };

@@ -30,7 +30,7 @@ class Detail final : public Culler {
         config_(config),
         boxes_(scene.object_bounds()),
         reach_(reach(scene.bounds())),
-        ids_(boxes_.count + 16),
+        ids_(boxes_.count + 64),
         spheres_(scene.objects().size()) {
     if (config.estimate == Estimate::silhouette) return;
     const std::vector<ConvexHull> hulls = mesh_hulls(scene);

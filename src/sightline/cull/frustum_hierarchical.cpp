@@ -9,25 +9,26 @@ namespace sightline {
 namespace {
 
 /// Subtrees with at most so many objects are tested object by object, a vector of them at once.
-constexpr std::uint32_t few = 64;
+constexpr std::uint32_t few = 256;
 constexpr std::uint32_t largest_leaf = 255;
 
 class FrustumHierarchical final : public Culler {
  public:
   FrustumHierarchical(const IndexedScene& scene, bool corners)
-      : bvh_(scene.bvh),
+      : scene_(scene.scene),
+        bvh_(scene.bvh),
         reach_(reach(scene.scene.bounds())),
         corners_(corners),
-        boxes_(in_tree_order(scene)),
+        boxes_(in_tree_order()),
         ranges_(bvh_.nodes.size()),
         last_plane_(bvh_.nodes.size(), 0),
-        found_(largest_leaf + 16) {
+        found_(std::max(few, largest_leaf) + 64) {
     for (std::size_t i = bvh_.nodes.size(); i-- > 0;) {
       const BvhNode& node = bvh_.nodes[i];
       ranges_[i] = node.leaf() ? ItemRange{node.first, node.first + node.count}
                                : ItemRange{ranges_[node.first].begin, ranges_[node.first + 1].end};
     }
-    for (const ObjectId id : bvh_.items) has_empty_ = has_empty_ || scene.scene.objects()[id].bounds.empty();
+    for (const ObjectId id : bvh_.items) has_empty_ = has_empty_ || scene_.objects()[id].bounds.empty();
   }
 
   void cull(const View& view, const VisibleSet& candidates, VisibleSet& visible, Counters& counters) override {
@@ -61,6 +62,7 @@ class FrustumHierarchical final : public Culler {
       }
       counters.boxes_tested += items.end - items.begin;
       const std::size_t found = boxes_in_frustum(boxes_, items.begin, items.end, frustum, planes, found_.data());
+      std::size_t kept = 0;
       for (std::size_t i = 0; i < found; ++i) {
         const std::uint32_t item = found_[i];
         const ObjectId id = bvh_.items[item];
@@ -69,9 +71,16 @@ class FrustumHierarchical final : public Culler {
           ++counters.corner_rejects;
           continue;
         }
-        visible.insert(id);
+        found_[kept++] = id;
       }
+      visible.insert_new(std::span(found_).first(kept));
     }
+  }
+
+  bool follow_scene() override {  // whether a box is empty depends on its mesh alone
+    boxes_ = in_tree_order();
+    reach_ = reach(scene_.bounds());
+    return true;
   }
 
   void reset() override { std::fill(last_plane_.begin(), last_plane_.end(), std::uint8_t{0}); }
@@ -81,10 +90,10 @@ class FrustumHierarchical final : public Culler {
     std::uint32_t node, planes;
   };
 
-  static BoxArrays in_tree_order(const IndexedScene& scene) {
+  [[nodiscard]] BoxArrays in_tree_order() const {
     std::vector<Aabb> boxes;
-    boxes.reserve(scene.bvh.items.size());
-    for (const ObjectId id : scene.bvh.items) boxes.push_back(scene.scene.objects()[id].bounds);
+    boxes.reserve(bvh_.items.size());
+    for (const ObjectId id : bvh_.items) boxes.push_back(scene_.objects()[id].bounds);
     return BoxArrays(boxes);
   }
 
@@ -121,6 +130,7 @@ class FrustumHierarchical final : public Culler {
     return false;
   }
 
+  const Scene& scene_;
   const Bvh& bvh_;
   double reach_;
   bool corners_, has_empty_ = false;

@@ -8,7 +8,11 @@ namespace {
 class FrustumLinear final : public Culler {
  public:
   FrustumLinear(const Scene& scene, bool scalar)
-      : boxes_(scene.object_bounds()), reach_(reach(scene.bounds())), scalar_(scalar), ids_(boxes_.count + 16) {}
+      : scene_(scene),
+        boxes_(scene.object_bounds()),
+        reach_(reach(scene.bounds())),
+        scalar_(scalar),
+        ids_(boxes_.count + 64) {}
 
   void cull(const View& view, const VisibleSet& candidates, VisibleSet& visible, Counters& counters) override {
     visible.reset(candidates.universe());
@@ -25,7 +29,14 @@ class FrustumLinear final : public Culler {
     counters.boxes_tested += boxes_.count;
   }
 
+  bool follow_scene() override {
+    boxes_ = BoxArrays(scene_.object_bounds());
+    reach_ = reach(scene_.bounds());
+    return true;
+  }
+
  private:
+  const Scene& scene_;
   BoxArrays boxes_;
   double reach_;
   bool scalar_;

@@ -20,7 +20,13 @@ class OcclusionMasked final : public Culler {
         config_(config),
         buffer_(config.scalar),
         occluders_(config.occluders ? config.occluders : occluders_of(scene.scene, config)) {
-    if (config.tight > 1.0) tight_ = OccludeeBounds(scene.scene, {.sigma = config.tight});
+    follow_scene();
+  }
+
+  /// Places are read from the scene in every frame; only tight bounds are kept.
+  bool follow_scene() final {
+    if (config_.tight > 1.0) tight_ = OccludeeBounds(scene_, {.sigma = config_.tight});
+    return true;
   }
 
   void cull(const View& view, const VisibleSet& candidates, VisibleSet& visible, Counters& counters) override {

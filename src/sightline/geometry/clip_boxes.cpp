@@ -7,6 +7,8 @@
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 
+#include "sightline/geometry/lane_ids.inl.hpp"
+
 HWY_BEFORE_NAMESPACE();
 namespace sightline::HWY_NAMESPACE {
 
@@ -14,7 +16,6 @@ namespace hn = hwy::HWY_NAMESPACE;
 
 std::size_t boxes_in_clip_space_simd(const BoxArrays& boxes, const ClipRows& rows, std::uint32_t* ids) {
   const hn::CappedTag<float, 16> d;
-  const hn::RebindToUnsigned<decltype(d)> du;
   const std::size_t lanes = hn::Lanes(d);
   std::size_t found = 0;
   for (std::size_t i = 0; i < boxes.count; i += lanes) {
@@ -41,8 +42,7 @@ std::size_t boxes_in_clip_space_simd(const BoxArrays& boxes, const ClipRows& row
         in = hn::And(in, hn::Ge(hn::Add(side == 0 ? hn::Add(w, at) : hn::Sub(w, at), radius), hn::Zero(d)));
       }
     }
-    const auto id = hn::Iota(du, static_cast<std::uint32_t>(i));
-    found += hn::CompressStore(id, hn::RebindMask(du, in), du, ids + found);
+    found += store_lane_ids(d, in, i, ids + found);
   }
   return found;
 }

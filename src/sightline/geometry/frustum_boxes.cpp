@@ -1,5 +1,6 @@
 #include "sightline/geometry/frustum_boxes.hpp"
 
+#include <algorithm>
 #include <limits>
 
 #undef HWY_TARGET_INCLUDE
@@ -7,49 +8,65 @@
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 
+#include "sightline/geometry/lane_ids.inl.hpp"
+
 HWY_BEFORE_NAMESPACE();
 namespace sightline::HWY_NAMESPACE {
 
 namespace hn = hwy::HWY_NAMESPACE;
 
-/// The planes are loaded once; whole vectors of boxes outside of one plane skip the others.
+constexpr std::size_t at_a_time = 4;  // vectors of boxes, so that loading the planes costs a quarter
+
+/// Where all boxes of a step lie outside of one of the first planes the others are skipped. An empty box, infinity to
+/// -infinity, is -infinity or NaN from every plane.
 template <int plane_count>
 HWY_INLINE std::size_t test(const BoxArrays& boxes, std::size_t begin, std::size_t end, const Plane* planes,
                             std::uint32_t* ids) {
   const hn::CappedTag<float, 16> d;
-  const hn::RebindToUnsigned<decltype(d)> du;
   const std::size_t lanes = hn::Lanes(d);
+  using V = hn::Vec<decltype(d)>;
   const float* corner[plane_count + 1][3];  // per plane the arrays that hold the p-vertex
   for (int p = 0; p < plane_count; ++p)
     for (int axis = 0; axis < 3; ++axis)
       corner[p][axis] = (planes[p].normal[axis] >= 0 ? boxes.hi : boxes.lo)[axis].data();
-  const auto distance = [&](int p, std::size_t i) __attribute__((always_inline)) {
-    const auto x = hn::Mul(hn::Set(d, planes[p].normal.x), hn::LoadU(d, corner[p][0] + i));
-    const auto y = hn::Mul(hn::Set(d, planes[p].normal.y), hn::LoadU(d, corner[p][1] + i));
-    const auto z = hn::Mul(hn::Set(d, planes[p].normal.z), hn::LoadU(d, corner[p][2] + i));
-    return hn::Add(hn::Add(hn::Add(x, y), z), hn::Set(d, planes[p].offset));
-  };
-  std::size_t found = 0;
-  for (std::size_t i = begin; i < end; i += lanes) {
-    // BoxArrays makes lo > hi on every axis of an empty box.
-    auto in = hn::Le(hn::LoadU(d, boxes.lo[0].data() + i), hn::LoadU(d, boxes.hi[0].data() + i));
-    if (end - i < lanes) in = hn::And(in, hn::FirstN(d, end - i));
-    if constexpr (plane_count > 0) {
-      // The least distance decides for several planes at once.
-      constexpr int first = plane_count < 3 ? plane_count : 3;
-      auto least = distance(0, i);
-      for (int p = 1; p < first; ++p) least = hn::Min(least, distance(p, i));
-      in = hn::And(in, hn::Ge(least, hn::Zero(d)));
-      if constexpr (plane_count > first) {
-        if (hn::AllFalse(d, in)) continue;
-        least = distance(first, i);
-        for (int p = first + 1; p < plane_count; ++p) least = hn::Min(least, distance(p, i));
-        in = hn::And(in, hn::Ge(least, hn::Zero(d)));
+  // Of the boxes from i on to planes [first, last): the least distance, which decides for all of them.
+  const auto least = [&](int first, int last, std::size_t i, V(&out)[at_a_time]) __attribute__((always_inline)) {
+    for (int p = first; p < last; ++p) {
+      const auto x = hn::Set(d, planes[p].normal.x), y = hn::Set(d, planes[p].normal.y),
+                 z = hn::Set(d, planes[p].normal.z), offset = hn::Set(d, planes[p].offset);
+      for (std::size_t k = 0; k < at_a_time; ++k) {
+        const std::size_t at = i + k * lanes;
+        const auto sum =
+            hn::Add(hn::Add(hn::Mul(x, hn::LoadU(d, corner[p][0] + at)), hn::Mul(y, hn::LoadU(d, corner[p][1] + at))),
+                    hn::Mul(z, hn::LoadU(d, corner[p][2] + at)));
+        const auto distance = hn::Add(sum, offset);
+        out[k] = p == first ? distance : hn::Min(out[k], distance);
       }
     }
-    const auto id = hn::Iota(du, static_cast<std::uint32_t>(i));
-    found += hn::CompressStore(id, hn::RebindMask(du, in), du, ids + found);
+  };
+  constexpr int first_planes = plane_count < 3 ? plane_count : 3;
+  std::size_t found = 0;
+  for (std::size_t i = begin; i < end; i += at_a_time * lanes) {
+    V in[at_a_time];  // >= 0 where the box is not outside
+    if constexpr (plane_count == 0) {
+      for (std::size_t k = 0; k < at_a_time; ++k)
+        in[k] =
+            hn::Sub(hn::LoadU(d, boxes.hi[0].data() + i + k * lanes), hn::LoadU(d, boxes.lo[0].data() + i + k * lanes));
+    } else {
+      least(0, first_planes, i, in);
+    }
+    if constexpr (plane_count > first_planes) {
+      auto any = hn::Ge(in[0], hn::Zero(d));  // not the largest: that of a number and a NaN may be the NaN
+      for (std::size_t k = 1; k < at_a_time; ++k) any = hn::Or(any, hn::Ge(in[k], hn::Zero(d)));
+      if (hn::AllFalse(d, any)) continue;
+      V others[at_a_time];
+      least(first_planes, plane_count, i, others);
+      for (std::size_t k = 0; k < at_a_time; ++k) in[k] = hn::Min(in[k], others[k]);
+    }
+    for (std::size_t k = 0; k < at_a_time; ++k)
+      found += store_lane_ids(d, hn::Ge(in[k], hn::Zero(d)), i + k * lanes, ids + found);
   }
+  while (found > 0 && ids[found - 1] >= end) --found;  // of the last step
   return found;
 }
 
@@ -82,7 +99,7 @@ namespace sightline {
 HWY_EXPORT(boxes_in_frustum_simd);
 
 BoxArrays::BoxArrays(std::span<const Aabb> boxes) : count(boxes.size()) {
-  constexpr std::size_t padding = 16;
+  constexpr std::size_t padding = 64;  // a step of the widest vectors
   for (int axis = 0; axis < 3; ++axis) {
     // The padding is empty boxes, which no frustum holds.
     lo[axis].assign(count + padding, std::numeric_limits<float>::infinity());

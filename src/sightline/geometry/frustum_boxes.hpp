@@ -18,12 +18,12 @@ struct BoxArrays {
   std::vector<float> lo[3], hi[3];
 };
 
-/// Indices of the boxes that are not outside of one plane, ascending, into `ids`, which must hold count + 16. Returns
+/// Indices of the boxes that are not outside of one plane, ascending, into `ids`, which must hold count + 64. Returns
 /// how many. Conservative as classify() is.
 std::size_t boxes_in_frustum(const BoxArrays& boxes, const Frustum& frustum, std::uint32_t* ids);
 std::size_t boxes_in_frustum_scalar(const BoxArrays& boxes, const Frustum& frustum, std::uint32_t* ids);
 
-/// The same for boxes [begin, end) and the planes of a bit mask alone; `ids` must hold end - begin + 16.
+/// The same for boxes [begin, end) and the planes of a bit mask alone; `ids` must hold end - begin + 64.
 std::size_t boxes_in_frustum(const BoxArrays& boxes, std::size_t begin, std::size_t end, const Frustum& frustum,
                              std::uint32_t planes, std::uint32_t* ids);
 

@@ -6,12 +6,16 @@
 #include <cmath>
 #include <limits>
 
+#include "sightline/index/morton_order.hpp"
+
 namespace sightline {
 namespace {
 
 constexpr float nowhere = std::numeric_limits<float>::max();
 constexpr int most_bins = 64;
 constexpr std::uint32_t most_for_all_axes = 512;
+constexpr std::size_t large = 16384;
+constexpr std::uint32_t group_size = 64;
 
 /// Four floats in one register (the compilers' generic vectors); the fourth means nothing.
 using Float4 __attribute__((vector_size(16))) = float;
@@ -57,25 +61,86 @@ struct Split {
 
 class Builder {
  public:
-  Builder(std::span<const Aabb> boxes, const BvhConfig& config)
-      : config_(config), boxes_(boxes.size()), ids_(boxes.size()) {
-    for (std::size_t i = 0; i < boxes.size(); ++i) {
-      ids_[i] = static_cast<std::uint32_t>(i);
-      const Aabb& b = boxes[i];
-      if (!b.empty()) boxes_[i] = {{Float4{b.lo.x, b.lo.y, b.lo.z, 0.0f}}, {Float4{b.hi.x, b.hi.y, b.hi.z, 0.0f}}};
-    }
+  Builder(std::span<const Aabb> boxes, const BvhConfig& config) : config_(config), given_(boxes) {
+    boxes_.reserve(boxes.size());
+    ids_.reserve(boxes.size());
   }
 
   Bvh build() {
-    const auto count = static_cast<std::uint32_t>(boxes_.size());
-    if (count == 0) return {};
-    bvh_.nodes.reserve(boxes_.size() + 1);
+    if (given_.empty()) return {};
+    bvh_.nodes.reserve(given_.size() + 1);
     bvh_.nodes.emplace_back();
-    // No recursion: a chain of boxes must not exhaust the stack.
-    std::vector<Range> stack{whole(0, count)};
+    if (given_.size() > large) {
+      build_large();
+    } else {
+      for (std::uint32_t i = 0; i < given_.size(); ++i) take(i);
+      subtree(whole(0, static_cast<std::uint32_t>(given_.size())));
+    }
+    bvh_.items = std::move(ids_);
+    return std::move(bvh_);
+  }
+
+ private:
+  void take(std::uint32_t id) {
+    const Aabb& b = given_[id];
+    ids_.push_back(id);
+    boxes_.emplace_back();
+    if (!b.empty()) boxes_.back() = {{Float4{b.lo.x, b.lo.y, b.lo.z, 0.0f}}, {Float4{b.hi.x, b.hi.y, b.hi.z, 0.0f}}};
+  }
+
+  /// Many boxes do not fit into the caches: neighbours are put together first, and the tree over groups of them ends
+  /// where the trees of the groups begin.
+  void build_large() {
+    const std::vector<MortonKey> keys = morton_order(given_);
+    const std::vector<MortonRun> runs = morton_runs(keys, group_size);
+    std::vector<Aabb> bounds;
+    bounds.reserve(runs.size());
+    for (const MortonRun& run : runs) {
+      Aabb box;
+      for (std::uint32_t i = run.begin; i < run.end; ++i)
+        if (!given_[box_of(keys[i])].empty()) box.extend(given_[box_of(keys[i])]);
+      bounds.push_back(box);
+    }
+    BvhConfig single = config_;
+    single.max_leaf_size = 1;
+    const Bvh top = Builder(bounds, single).build();
+    struct Copy {
+      std::uint32_t from, to;
+    };
+    std::vector<Copy> stack{{0, 0}};
     while (!stack.empty()) {
-      const Range range = stack.back();
+      const auto [from, to] = stack.back();
       stack.pop_back();
+      const BvhNode& node = top.nodes[from];
+      if (node.leaf()) {
+        const MortonRun& run = runs[top.items[node.first]];
+        const auto begin = static_cast<std::uint32_t>(boxes_.size());
+        for (std::uint32_t i = run.begin; i < run.end; ++i) take(box_of(keys[i]));
+        Range range = whole(begin, static_cast<std::uint32_t>(boxes_.size()));
+        range.node = to;
+        subtree(range);
+        continue;
+      }
+      bvh_.nodes[to].bounds = node.bounds;
+      const std::uint32_t left = add_children(to);
+      stack.push_back({node.first + 1, left + 1});
+      stack.push_back({node.first, left});
+    }
+  }
+
+  std::uint32_t add_children(std::uint32_t node) {
+    const auto left = static_cast<std::uint32_t>(bvh_.nodes.size());
+    bvh_.nodes[node].first = left;
+    bvh_.nodes.resize(bvh_.nodes.size() + 2);
+    return left;
+  }
+
+  /// Without recursion: a chain of boxes must not exhaust the stack.
+  void subtree(const Range& root) {
+    stack_.assign(1, root);
+    while (!stack_.empty()) {
+      const Range range = stack_.back();
+      stack_.pop_back();
       BvhNode& node = bvh_.nodes[range.node];
       node.bounds = range.bounds.aabb();
       if (range.end - range.begin <= static_cast<std::uint32_t>(config_.max_leaf_size)) {
@@ -83,21 +148,15 @@ class Builder {
         node.count = range.end - range.begin;
         continue;
       }
-      const auto left = static_cast<std::uint32_t>(bvh_.nodes.size());
-      node.first = left;
-      bvh_.nodes.resize(bvh_.nodes.size() + 2);
       Range children[2];
       split(range, children);
-      children[0].node = left;
-      children[1].node = left + 1;
-      stack.push_back(children[1]);
-      stack.push_back(children[0]);
+      children[0].node = add_children(range.node);
+      children[1].node = children[0].node + 1;
+      stack_.push_back(children[1]);
+      stack_.push_back(children[0]);
     }
-    bvh_.items = std::move(ids_);
-    return std::move(bvh_);
   }
 
- private:
   void split(const Range& range, Range* children) {
     const std::uint32_t count = range.end - range.begin;
     bins_used_ = std::min(config_.bins, count > 64 ? most_bins : count > 16 ? 8 : 4);
@@ -211,6 +270,7 @@ class Builder {
   }
 
   BvhConfig config_;
+  std::span<const Aabb> given_;
   std::vector<Box> boxes_;
   std::vector<std::uint32_t> ids_;
   int bins_used_ = 0;
@@ -220,6 +280,7 @@ class Builder {
   Vector from_ = all(0.0f), per_unit_ = all(0.0f);
   Box bins_[3][most_bins];
   std::uint32_t counts_[3][most_bins];
+  std::vector<Range> stack_;
   Bvh bvh_;
 };
 

@@ -36,7 +36,8 @@ struct BvhConfig {
   int bins = 16;          // most bins per axis of the surface area heuristic, 2 to 64; small nodes use fewer
 };
 
-/// Top-down, binned surface area heuristic (Wald 2007); falls back to the median where all centroids coincide. Empty
+/// Top-down, binned surface area heuristic (Wald 2007); falls back to the median where all centroids coincide. Of many
+/// boxes first over groups of neighbours along a Morton curve (Pantaleoni and Luebke 2010), then within each. Empty
 /// boxes are allowed and never widen a node. The result does not depend on the number of threads.
 Bvh build_bvh(std::span<const Aabb> boxes, const BvhConfig& config = {});
 

@@ -1,6 +1,7 @@
 #include "sightline/raster/occluder_mesh.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <numeric>
 
 #include "sightline/scene/topology.hpp"
@@ -64,6 +65,17 @@ std::vector<std::uint32_t> order_by(const std::vector<std::uint32_t>& keys, std:
   return order;
 }
 
+void add_plane(OccluderMesh& mesh, const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& c) {
+  const glm::dvec3 normal = glm::cross(b - a, c - a);
+  const double length = glm::length(normal);
+  const bool plane = length > 0.0 && std::isfinite(length);
+  const glm::vec3 unit = plane ? glm::vec3(normal / length) : glm::vec3(0.0f);
+  mesh.normal_x.push_back(unit.x);
+  mesh.normal_y.push_back(unit.y);
+  mesh.normal_z.push_back(unit.z);
+  mesh.offset.push_back(plane ? static_cast<float>(-glm::dot(normal / length, a)) : 0.0f);
+}
+
 }  // namespace
 
 OccluderMesh make_occluder(std::span<const glm::vec3> positions, std::span<const glm::uvec3> triangles) {
@@ -101,6 +113,7 @@ OccluderMesh make_occluder(std::span<const glm::vec3> positions, std::span<const
       mesh.corner0.push_back(vertex(t.x));
       mesh.corner1.push_back(vertex(t.y));
       mesh.corner2.push_back(vertex(t.z));
+      add_plane(mesh, positions[t.x], positions[t.y], positions[t.z]);
     }
     for (std::uint32_t i = mesh.edge_begin[c]; i < mesh.edge_begin[c + 1]; ++i) {
       const MeshEdge& edge = topology.edges[edge_order[i]];
@@ -115,7 +128,9 @@ OccluderMesh make_occluder(std::span<const glm::vec3> positions, std::span<const
   mesh.vertex_count = static_cast<std::uint32_t>(mesh.x.size());
   mesh.triangle_count = static_cast<std::uint32_t>(mesh.corner0.size());
   mesh.edge_count = static_cast<std::uint32_t>(mesh.edge_from.size());
-  for (auto* array : {&mesh.x, &mesh.y, &mesh.z, &mesh.edge_winding}) pad(*array, 0.0f);
+  for (auto* array :
+       {&mesh.x, &mesh.y, &mesh.z, &mesh.normal_x, &mesh.normal_y, &mesh.normal_z, &mesh.offset, &mesh.edge_winding})
+    pad(*array, 0.0f);
   for (auto* array : {&mesh.corner0, &mesh.corner1, &mesh.corner2, &mesh.edge_from, &mesh.edge_to}) pad(*array, 0);
   for (auto* array : {&mesh.edge_first, &mesh.edge_second}) pad(*array, nothing);
   return mesh;

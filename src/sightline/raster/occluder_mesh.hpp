@@ -16,6 +16,9 @@ struct OccluderMesh {
   std::vector<float> x, y, z;
   /// Corners of each triangle. Triangles without area are left out.
   std::vector<std::int32_t> corner0, corner1, corner2;
+  /// Plane of each triangle, dot(normal, p) + offset = 0 with a unit normal on its front side; zeros where it has none.
+  /// Empty in meshes that are made for one frame: there they cost more than they save.
+  std::vector<float> normal_x, normal_y, normal_z, offset;
   /// End points of each edge and the two triangles at it. Two slots behind the last triangle stand for what is no
   /// triangle: triangle_count is never drawn, triangle_count + 1 always is. A border edge has the former as its second
   /// triangle; an edge with three or more triangles has both, so that it is a contour in every view.

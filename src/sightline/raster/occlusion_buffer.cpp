@@ -227,7 +227,8 @@ OcclusionBuffer& OcclusionBuffer::operator=(OcclusionBuffer&&) noexcept = defaul
 
 void OcclusionBuffer::begin(const View& view, int width, int height, Coverage coverage) {
   assert(width >= 1 && height >= 1);
-  assert(coverage == Coverage::squares || (width == view.width && height == view.height));
+  assert(coverage == Coverage::squares ||
+         (width % view.width == 0 && height % view.height == 0 && width / view.width == height / view.height));
   State& s = *state_;
   s.tiles.resize(width, height);
   s.counts = {};

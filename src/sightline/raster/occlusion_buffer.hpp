@@ -18,8 +18,9 @@ struct OcclusionCounts {
   std::uint64_t occluders = 0, occluder_triangles = 0, triangles_filled = 0, tiles_filled = 0, contour_edges = 0;
 };
 
-/// What of a pixel must be hidden for it to count: all of its square, or its centre alone (one sample per pixel, and a
-/// buffer with the very pixels of the image that is rendered).
+/// What of a pixel must be hidden for it to count: all of its square, or its centre alone. The latter is for a buffer
+/// with the very pixels of the image that is rendered, or with k x k times as many: then the promise is for a grid of k
+/// x k samples in each pixel of the image, no more and no less.
 enum class Coverage { squares, centres };
 
 /// An occluder in the scene; `transform`: mesh space to world space. The mesh must live until it has been added.
@@ -52,7 +53,7 @@ class OcclusionBuffer {
   OcclusionBuffer& operator=(OcclusionBuffer&&) noexcept;
 
   /// Starts a view with nothing hidden. width x height: pixels of the buffer, 1 to 16384, independent of the view's for
-  /// Coverage::squares, equal to them for Coverage::centres. The view must pass check_view.
+  /// Coverage::squares, the same multiple of both of them for Coverage::centres. The view must pass check_view.
   void begin(const View& view, int width, int height, Coverage coverage = Coverage::squares);
 
   /// Adds an occluder, which must be opaque. Parts before the near plane hide nothing. Nothing happens for a singular

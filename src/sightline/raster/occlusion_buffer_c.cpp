@@ -96,9 +96,10 @@ int sightline_occlusion_begin(sightline_occlusion_buffer* buffer, const sightlin
     const bool centres = view->centres != 0;
     if (width < 1 || height < 1 || width > 16384 || height > 16384)
       throw InputError("the buffer must be 1 to 16384 pixels wide and high");
-    if (centres && (width != view->view_width || height != view->view_height))
-      throw InputError("pixel centres alone count only in a buffer of the view's size");
-    buffer->buffer.begin(to_view(*view), width, height, centres ? Coverage::centres : Coverage::squares);
+    const View of = to_view(*view);
+    if (centres && (width % of.width != 0 || height % of.height != 0 || width / of.width != height / of.height))
+      throw InputError("pixel centres alone count only in a buffer of the view's size or a whole multiple of it");
+    buffer->buffer.begin(of, width, height, centres ? Coverage::centres : Coverage::squares);
   });
 }
 

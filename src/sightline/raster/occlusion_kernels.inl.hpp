@@ -94,11 +94,10 @@ class TriangleFill {
         gradient_y_(s.gradient_y[t]),
         base_(s.base[t]),
         least_(s.least[t]),
-        box_low_x_(s.low_x[t]),
-        box_high_x_(s.high_x[t]),
-        box_low_y_(s.low_y[t]),
-        box_high_y_(s.high_y[t]),
-        margin_(run.margins.square + run.margins.pixels),
+        box_low_x_(s.low_x[t] - box_slack),
+        box_high_x_(s.high_x[t] + box_slack),
+        box_low_y_(s.low_y[t] - box_slack),
+        box_high_y_(s.high_y[t] + box_slack),
         nearest_(run.nearest),
         tiles_(tiles),
         band_(band) {
@@ -180,57 +179,60 @@ class TriangleFill {
     const float near0 = near_at(x, y);
     const auto at0 = hn::Set(d, at(edges_[0], x, y)), at1 = hn::Set(d, at(edges_[1], x, y)),
                at2 = hn::Set(d, at(edges_[2], x, y));
-    bool all_whole = true, any = false;
-    for (std::size_t l = 0; l < tile_pixels; l += float_lanes()) {
-      const auto inside =
-          min3(hn::Add(at0, hn::Load(d, edge_step_[0] + l)), hn::Add(at1, hn::Load(d, edge_step_[1] + l)),
-               hn::Add(at2, hn::Load(d, edge_step_[2] + l)));
-      const auto touches = hn::Ge(inside, hn::Set(d, -1.0f));
-      if (hn::AllFalse(d, touches)) {
-        all_whole = false;
-        continue;
-      }
-      any = true;
-      const auto whole = hn::Ge(inside, hn::Set(d, 1.0f));
-      const auto near = hn::Max(hn::Add(hn::Set(d, near0), hn::Load(d, near_step_ + l)), hn::Set(d, least_));
-      float* hidden = tiles_.hidden.data() + tile * tile_pixels + l;
-      const auto old = hn::LoadU(d, hidden);
-      hn::StoreU(hn::IfThenElse(whole, hn::Max(old, near), old), d, hidden);
-      if (hn::AllTrue(d, whole)) continue;
-      all_whole = false;
-      share(tile, l, x, y, near, inside, hn::AndNot(whole, touches));
-    }
-    if (!any) return;
-    ++band_.counts.tiles;
-    if (all_whole)
-      tiles_.farthest[tile] = std::max(tiles_.farthest[tile], std::max(near0 + least_step_, least_));
-    else
-      touch(tiles_, band_, tile);
-  }
-
-  /// Pixels that this triangle covers in part.
-  template <class V, class M>
-  HWY_INLINE void share(std::size_t tile, std::size_t l, float x, float y, V near, V inside, M shared) {
-    const Float d;
-    const auto px = hn::Add(hn::Set(d, x), hn::Load(d, lane_x + l)),
-               py = hn::Add(hn::Set(d, y), hn::Load(d, lane_y + l));
-    const auto in_box = [&](float slack) SIGHTLINE_INLINE_LAMBDA {
-      return hn::And(hn::And(hn::Ge(px, hn::Set(d, box_low_x_ - slack)), hn::Le(px, hn::Set(d, box_high_x_ + slack))),
-                     hn::And(hn::Ge(py, hn::Set(d, box_low_y_ - slack)), hn::Le(py, hn::Set(d, box_high_y_ + slack))));
+    const auto inside_of = [&](std::size_t l) SIGHTLINE_INLINE_LAMBDA {
+      return min3(hn::Add(at0, hn::Load(d, edge_step_[0] + l)), hn::Add(at1, hn::Load(d, edge_step_[1] + l)),
+                  hn::Add(at2, hn::Load(d, edge_step_[2] + l)));
     };
-    shared = hn::And(shared, in_box(margin_));
-    float* layer = tiles_.layer.data() + tile * tile_pixels + l;
-    const auto gathered = hn::LoadU(d, layer);
-    hn::StoreU(hn::IfThenElse(shared, hn::Min(gathered, near), gathered), d, layer);
-    const auto centre = hn::And(hn::Ge(inside, hn::Set(d, -edge_slack)), in_box(box_slack));
-    const std::uint32_t covered = bits_of(d, hn::And(shared, centre)) << l;
+    // Least and most of all lanes: no branch per vector, of which the machine foresees too few.
+    auto least_inside = inside_of(0), most_inside = least_inside;
+    for (std::size_t l = float_lanes(); l < tile_pixels; l += float_lanes()) {
+      least_inside = hn::Min(least_inside, inside_of(l));
+      most_inside = hn::Max(most_inside, inside_of(l));
+    }
+    const auto all_inside = hn::Set(d, 1.0f), outside = hn::Set(d, -1.0f);
+    if (hn::AllFalse(d, hn::Ge(most_inside, outside))) return;
+    ++band_.counts.tiles;
+    const auto near_here = hn::Set(d, near0), least = hn::Set(d, least_);
+    const auto near_of = [&](std::size_t l) SIGHTLINE_INLINE_LAMBDA {
+      return hn::Max(hn::Add(near_here, hn::Load(d, near_step_ + l)), least);
+    };
+    if (!hn::AllFalse(d, hn::Ge(most_inside, all_inside))) {  // some pixels are covered wholly
+      float* hidden = tiles_.hidden.data() + tile * tile_pixels;
+      for (std::size_t l = 0; l < tile_pixels; l += float_lanes()) {
+        const auto old = hn::LoadU(d, hidden + l);
+        const auto whole = hn::Ge(inside_of(l), all_inside);
+        hn::StoreU(hn::IfThenElse(whole, hn::Max(old, near_of(l)), old), d, hidden + l);
+      }
+      if (hn::AllTrue(d, hn::Ge(least_inside, all_inside))) {
+        tiles_.farthest[tile] = std::max(tiles_.farthest[tile], std::max(near0 + least_step_, least_));
+        return;
+      }
+    }
+    // Pixels that this triangle covers in part.
+    float* layer = tiles_.layer.data() + tile * tile_pixels;
+    std::uint32_t covered = 0;
+    const auto limit = [&](float value) SIGHTLINE_INLINE_LAMBDA { return hn::Set(d, value); };
+    const auto left = limit(box_low_x_ - x), right = limit(box_high_x_ - x), top = limit(box_low_y_ - y),
+               bottom = limit(box_high_y_ - y);
+    for (std::size_t l = 0; l < tile_pixels; l += float_lanes()) {
+      const auto inside = inside_of(l);
+      const auto shared = hn::AndNot(hn::Ge(inside, all_inside), hn::Ge(inside, outside));
+      const auto gathered = hn::LoadU(d, layer + l);
+      hn::StoreU(hn::IfThenElse(shared, hn::Min(gathered, near_of(l)), gathered), d, layer + l);
+      const auto px = hn::Load(d, lane_x + l), py = hn::Load(d, lane_y + l);
+      const auto in_box =
+          hn::And(hn::And(hn::Ge(px, left), hn::Le(px, right)), hn::And(hn::Ge(py, top), hn::Le(py, bottom)));
+      const auto centre = hn::And(hn::And(shared, hn::Ge(inside, hn::Set(d, -edge_slack))), in_box);
+      covered |= bits_of(d, centre) << l;
+    }
     tiles_.covered[tile] = static_cast<std::uint16_t>(tiles_.covered[tile] | covered);
+    touch(tiles_, band_, tile);
   }
 
   Edge edges_[3];
   float gradient_x_, gradient_y_, base_, least_;
   float box_low_x_, box_high_x_, box_low_y_, box_high_y_;
-  float margin_, nearest_;
+  float nearest_;
   float least_step_, largest_step_;
   Tiles& tiles_;
   Band& band_;

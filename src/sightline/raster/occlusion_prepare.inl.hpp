@@ -9,11 +9,14 @@
 #define SIGHTLINE_RASTER_OCCLUSION_PREPARE_INL
 #endif
 
+#include "sightline/geometry/lane_ids.inl.hpp"
 #include "sightline/raster/occlusion_kernels.inl.hpp"
 #include "sightline/raster/occlusion_query.inl.hpp"
 
 HWY_BEFORE_NAMESPACE();
 namespace sightline::raster::HWY_NAMESPACE {
+
+using sightline::HWY_NAMESPACE::store_lane_ids;
 
 /// Vertices to pixels. For a partial mesh also which of them floats get right.
 template <bool partial>
@@ -122,6 +125,8 @@ class Preparation {
     clipped_ = 0;
     if (view_.partial && !bounds.valid)
       classify<true>();
+    else if (view_.screen.perspective && !mesh_.offset.empty() && within_image(bounds))
+      classify_by_planes();
     else
       classify<false>();
     s_.facing[mesh_.triangle_count] = 0.0f;
@@ -130,6 +135,54 @@ class Preparation {
   }
 
  private:
+  /// True if no triangle between the bounds lies outside of the image.
+  [[nodiscard]] bool within_image(const ScreenBounds& bounds) const {
+    return bounds.low_x >= 0.0f && bounds.high_x <= static_cast<float>(tiles_.width) && bounds.low_y >= 0.0f &&
+           bounds.high_y <= static_cast<float>(tiles_.height);
+  }
+
+  /// As classify(), where no box needs to be looked at: by the side of its plane that the eye is on. Triangles whose
+  /// plane passes the eye within the rounding of the floats are judged by their projection, as all are there.
+  HWY_INLINE void classify_by_planes() {
+    const Float d;
+    const auto zero = hn::Zero(d);
+    const float* eye = view_.screen.eye_high;
+    const auto x = hn::Set(d, eye[0]), y = hn::Set(d, eye[1]), z = hn::Set(d, eye[2]);
+    // Rounding of the eye, the plane, the products and the sums: each at most 2^-24 of the terms' sizes, nine in all.
+    constexpr float rounding = 0x1p-20f;
+    const auto eye_error = hn::Set(d, (std::abs(eye[0]) + std::abs(eye[1]) + std::abs(eye[2])) * rounding);
+    front_ = back_ = 0;
+    for (std::size_t i = begin_; i < end_; i += float_lanes()) {
+      const auto offset = hn::LoadU(d, mesh_.offset.data() + i);
+      const auto in_plane = hn::Add(hn::Add(hn::Mul(x, hn::LoadU(d, mesh_.normal_x.data() + i)),
+                                            hn::Mul(y, hn::LoadU(d, mesh_.normal_y.data() + i))),
+                                    hn::Mul(z, hn::LoadU(d, mesh_.normal_z.data() + i)));
+      auto facing = hn::Add(in_plane, offset);
+      const auto error = hn::Add(eye_error, hn::Mul(hn::Abs(offset), hn::Set(d, rounding)));
+      const auto drawn = hn::FirstN(d, std::min(float_lanes(), end_ - i));
+      // Not (|facing| > error), so that what is no number is unsure.
+      const auto sure = hn::Gt(hn::Abs(facing), error);
+      hn::StoreU(facing, d, s_.facing.data() + i);
+      if (!hn::AllTrue(d, sure)) {
+        std::uint32_t bits = bits_of(d, hn::AndNot(sure, drawn));
+        for (std::size_t k = i; bits != 0; ++k, bits >>= 1)
+          if ((bits & 1u) != 0) s_.facing[k] = projected_facing(k);
+        facing = hn::LoadU(d, s_.facing.data() + i);
+      }
+      front_ += store_lane_ids(d, hn::And(drawn, hn::Gt(facing, zero)), i, s_.front.data() + front_);
+      if (mesh_.closed) continue;
+      back_ += store_lane_ids(d, hn::And(drawn, hn::Lt(facing, zero)), i, s_.back.data() + back_);
+    }
+  }
+
+  /// Twice the projected area, positive for a front face.
+  [[nodiscard]] float projected_facing(std::size_t i) const {
+    const auto a = static_cast<std::size_t>(mesh_.corner0[i]), b = static_cast<std::size_t>(mesh_.corner1[i]),
+               c = static_cast<std::size_t>(mesh_.corner2[i]);
+    const float facing = (s_.x[c] - s_.x[a]) * (s_.y[b] - s_.y[a]) - (s_.x[b] - s_.x[a]) * (s_.y[c] - s_.y[a]);
+    return view_.mirrored ? -facing : facing;
+  }
+
   /// Fills `facing` (> 0 front, < 0 back, 0 without area or dropped) and the lists of front and back faces whose box
   /// meets the image.
   template <bool partial>
@@ -169,12 +222,11 @@ class Preparation {
         return hn::And(hn::Ge(max3(p0, p1, p2), before), hn::Le(min3(p0, p1, p2), high));
       };
       drawn = hn::And(drawn, hn::And(meets(x0, x1, x2, right), meets(y0, y1, y2, bottom)));
-      const auto ids = hn::Iota(di, static_cast<std::int32_t>(i));
       const auto to_front = hn::And(drawn, hn::Gt(facing, zero));
-      front_ += hn::CompressStore(ids, hn::RebindMask(di, to_front), di, s_.front.data() + front_);
+      front_ += store_lane_ids(d, to_front, i, s_.front.data() + front_);
       if (mesh_.closed) continue;
       const auto to_back = hn::And(drawn, hn::Lt(facing, zero));
-      back_ += hn::CompressStore(ids, hn::RebindMask(di, to_back), di, s_.back.data() + back_);
+      back_ += store_lane_ids(d, to_back, i, s_.back.data() + back_);
     }
   }
 
@@ -284,8 +336,7 @@ class Preparation {
       const auto inner = hn::And(hn::And(first, second), hn::Gt(hn::LoadU(d, mesh_.edge_winding.data() + i), zero));
       auto contour = hn::AndNot(inner, hn::Or(first, second));
       contour = hn::And(contour, hn::FirstN(d, std::min(float_lanes(), end - i)));
-      const auto ids = hn::Iota(di, static_cast<std::int32_t>(i));
-      count += hn::CompressStore(ids, hn::RebindMask(di, contour), di, s_.edges.data() + count);
+      count += store_lane_ids(d, contour, i, s_.edges.data() + count);
     }
     return count;
   }

@@ -22,6 +22,16 @@ void check_mesh(const Mesh& mesh, std::size_t index) {
       throw InputError("", position, "a triangle refers to a vertex beyond the last of " + std::to_string(n));
 }
 
+void check_transform(const Affine& transform, std::size_t object) {
+  for (int c = 0; c < 4; ++c)
+    if (!finite(transform[c])) throw InputError("", "object " + std::to_string(object), "its transform is not finite");
+}
+
+void check_reach(const Aabb& bounds, std::size_t object) {
+  if (!(static_cast<double>(reach(bounds)) <= largest_distance))  // also what is not finite any more
+    throw InputError("", "object " + std::to_string(object), "it reaches farther than 1e15 m from the origin");
+}
+
 /// Bounds of the used vertices under an affine map, widened by the rounding error of mapping them in float.
 Aabb transformed_bounds(const Mesh& mesh, const Affine& m) {
   if (mesh.bounds.empty()) return {};
@@ -63,6 +73,25 @@ std::vector<Aabb> Scene::object_bounds() const {
   return boxes;
 }
 
+void Scene::move_objects(std::span<const Move> moves) {
+  std::vector<Aabb> bounds;
+  bounds.reserve(moves.size());
+  for (const Move& move : moves) {
+    if (move.object >= objects_.size())
+      throw InputError("", "object " + std::to_string(move.object), "cannot be moved: it does not exist");
+    check_transform(move.transform, move.object);
+    bounds.push_back(transformed_bounds(meshes_[objects_[move.object].mesh], move.transform));
+    check_reach(bounds.back(), move.object);
+  }
+  for (std::size_t i = 0; i < moves.size(); ++i) {
+    Object& object = objects_[moves[i].object];
+    object.transform = moves[i].transform;
+    object.bounds = bounds[i];
+  }
+  bounds_ = {};
+  for (const Object& object : objects_) bounds_.extend(object.bounds);
+}
+
 MeshId SceneBuilder::add_mesh(Mesh mesh) {
   scene_.meshes_.push_back(std::move(mesh));
   return static_cast<MeshId>(scene_.meshes_.size() - 1);
@@ -90,8 +119,7 @@ Scene SceneBuilder::build() {
     const Object& object = scene_.objects_[i];
     const std::string position = "object " + std::to_string(i);
     if (object.mesh >= scene_.meshes_.size()) throw InputError("", position, "refers to a mesh that does not exist");
-    for (int c = 0; c < 4; ++c)
-      if (!finite(object.transform[c])) throw InputError("", position, "its transform is not finite");
+    check_transform(object.transform, i);
   }
   for (const Cell& cell : scene_.cells_)
     for (const ObjectId id : cell.objects)
@@ -119,8 +147,7 @@ Scene SceneBuilder::build() {
   scene_.triangle_count_ = 0;
   for (std::size_t i = 0; i < scene_.objects_.size(); ++i) {
     const Object& object = scene_.objects_[i];
-    if (!(static_cast<double>(reach(object.bounds)) <= largest_distance))  // also what is not finite any more
-      throw InputError("", "object " + std::to_string(i), "it reaches farther than 1e15 m from the origin");
+    check_reach(object.bounds, i);
     scene_.bounds_.extend(object.bounds);
     scene_.triangle_count_ += scene_.meshes_[object.mesh].triangles.size();
   }

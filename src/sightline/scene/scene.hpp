@@ -78,6 +78,16 @@ class Scene {
   /// World bounds of every object, by id.
   [[nodiscard]] std::vector<Aabb> object_bounds() const;
 
+  /// An object and where it is to be: mesh space to world space.
+  struct Move {
+    ObjectId object;
+    Affine transform;
+  };
+  /// Moves objects; their bounds and the scene's follow. An index over the scene wants refit(), a culler
+  /// Culler::follow_scene(). Throws InputError, with nothing moved: an unknown object, a transform that is not finite
+  /// or takes its object farther than 1e15 m from the origin. O(vertices of those moved + objects).
+  void move_objects(std::span<const Move> moves);
+
  private:
   friend class SceneBuilder;
   std::vector<Mesh> meshes_;
