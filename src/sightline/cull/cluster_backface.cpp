@@ -28,8 +28,10 @@ class ClusterBackface final : public MeshFaceCuller {
 
   [[nodiscard]] std::size_t bytes() const override {
     std::size_t total = 0;
-    for (const ClusterTree& tree : trees_)
-      total += sizeof(ClusterNode) * tree.nodes.size() + sizeof(std::uint32_t) * tree.order.size();
+    for (const ClusterTree& tree : trees_) {
+      total += sizeof(std::uint32_t) * tree.order.size();
+      for (const std::vector<ClusterNode>& level : tree.levels) total += sizeof(ClusterNode) * level.size();
+    }
     return total;
   }
 
@@ -108,7 +110,6 @@ std::unique_ptr<FaceCuller> make_cluster_backface(const IndexedScene& scene, Par
   parameters.read("position", config.position, 0.0, 100.0);
   parameters.read("near_field", near_field, 1.01, 1000.0);
   parameters.read("origins", config.origins);
-  parameters.read("cone", config.cone);
   parameters.read("scalar", scalar);
   parameters.finish();
   if (config.cost_test == 0.0) config.cost_test = measured_cluster_cost();
