@@ -16,22 +16,27 @@ struct NodeSides {
   std::uint32_t back, front;
 };
 
-/// Writes whole words for the eight leaves of a node, without branches that depend on the answer.
-inline void keep_leaves(const ClusterTree& tree, std::size_t node, std::uint32_t keep, std::span<std::uint64_t> kept) {
-  const std::size_t first = node * ClusterNode::width * tree.leaf;
-  if (tree.leaf < 64) {
-    for (; keep != 0; keep &= keep - 1) {
-      const std::size_t begin = first + static_cast<std::size_t>(std::countr_zero(keep)) * tree.leaf;
-      set_bits(kept, begin, std::min<std::size_t>(begin + tree.leaf, tree.order.size()));
-    }
-    return;
+/// Eight times `words` words, all set or all clear.
+template <std::size_t words>
+__attribute__((always_inline)) inline void write_words(std::uint64_t* at, std::uint32_t keep) {
+  for (std::size_t k = 0; k < ClusterNode::width; ++k)
+    for (std::size_t w = 0; w < words; ++w) at[k * words + w] = std::uint64_t{0} - ((keep >> k) & 1);
+}
+
+/// Keeps some of the eight leaves of a node; where it can without branches that depend on the answer.
+__attribute__((always_inline)) inline void keep_leaves(const ClusterTree& tree, std::size_t node, std::uint32_t keep,
+                                                       std::span<std::uint64_t> kept) {
+  const std::size_t first = node * ClusterNode::width * tree.leaf, count = tree.order.size();
+  if (first + ClusterNode::width * tree.leaf <= count) {
+    std::uint64_t* const at = kept.data() + first / 64;
+    if (tree.leaf == 64) return write_words<1>(at, keep);
+    if (tree.leaf == 128) return write_words<2>(at, keep);
+    if (tree.leaf == 256) return write_words<4>(at, keep);
+    if (tree.leaf == 512) return write_words<8>(at, keep);
   }
-  const std::size_t words = tree.leaf / 64;
-  std::uint64_t* at = kept.data() + first / 64;
-  const std::uint64_t* const end = kept.data() + kept.size();
-  for (std::size_t k = 0; k < ClusterNode::width && at < end; ++k) {
-    const std::uint64_t* const stop = at + std::min<std::size_t>(words, static_cast<std::size_t>(end - at));
-    for (; at < stop; ++at) *at = std::uint64_t{0} - ((keep >> k) & 1);
+  for (; keep != 0; keep &= keep - 1) {
+    const std::size_t begin = first + static_cast<std::size_t>(std::countr_zero(keep)) * tree.leaf;
+    set_bits(kept, begin, std::min<std::size_t>(begin + tree.leaf, count));
   }
 }
 
@@ -69,11 +74,11 @@ __attribute__((always_inline)) inline void walk_clusters(const ClusterTree& tree
       const std::size_t begin = first + static_cast<std::size_t>(std::countr_zero(left)) * size;
       set_bits(kept, begin, std::min(begin + size, count));
     }
-    for (std::uint32_t left = open; left != 0; left &= left - 1)
-      stack[top++] = {step.level - 1, static_cast<std::uint32_t>(step.node * ClusterNode::width) +
-                                          static_cast<std::uint32_t>(std::countr_zero(left))};
+    for (std::uint32_t left = open; left != 0; left &= left - 1) {
+      const auto k = static_cast<std::uint32_t>(std::countr_zero(left));
+      stack[top++] = {step.level - 1, step.node * static_cast<std::uint32_t>(ClusterNode::width) + k};
+    }
   }
-  if (count % 64 != 0) kept[count / 64] &= (std::uint64_t{1} << (count % 64)) - 1;
   counts.tested += tested;
   counts.culled += culled;
 }

@@ -19,13 +19,16 @@ double stretch(const glm::dmat3& m) {
   return std::min(norm(m), std::sqrt(columns(m) * columns(glm::transpose(m))));
 }
 
-/// How far a float corner of transform_point lies from the exact one, world units. The identity rounds nothing.
+/// How far a float corner of transform_point lies from the exact one, world units. The identity rounds nothing, an
+/// object that is only moved one sum, any other a product and three sums.
 double corner_error(const Affine& m, const Mesh& mesh) {
   if (m == identity_affine()) return 0.0;
+  Affine linear = m;
+  linear[3] = glm::vec3(0.0f);
   const glm::dvec3 size(glm::max(glm::abs(mesh.bounds.lo), glm::abs(mesh.bounds.hi)));
   const glm::dvec3 terms = glm::abs(glm::dvec3(m[0])) * size.x + glm::abs(glm::dvec3(m[1])) * size.y +
                            glm::abs(glm::dvec3(m[2])) * size.z + glm::abs(glm::dvec3(m[3]));
-  return 0x1p-22 * glm::length(terms);
+  return (linear == identity_affine() ? 1.0 : 4.0) * 0x1p-24 * glm::length(terms);
 }
 
 }  // namespace
