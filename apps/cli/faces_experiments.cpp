@@ -161,11 +161,10 @@ Picture draw_mask(const Scene& scene, const View& view) {
   for (const double y : {0.0, 1.0})
     for (const double x : {0.0, 1.0})
       directions.emplace_back(glm::normalize(inverse * pixel_ray(near, x * near.width, y * near.height).direction));
-  std::vector<BackMask> mask(1);
-  back_masks(cube, directions, 1, 4e-6f, mask);
+  const BackMask mask = back_mask(cube, directions, 4e-6f);
   const auto culled = [&](int normal_class) {
     const PolygonNormalMask bits = polygon_normal_mask(normal_class);
-    return (mask[0][bits.byte_offset] & bits.bit_mask) != 0;
+    return (mask[bits.byte_offset] & bits.bit_mask) != 0;
   };
   constexpr Colour background{245, 245, 245}, back{60, 160, 70}, front{205, 205, 210}, line{255, 255, 255};
   Picture picture = blank(980, 840, background);

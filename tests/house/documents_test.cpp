@@ -4,6 +4,7 @@
 #include <array>
 #include <cstdio>
 #include <memory>
+#include <regex>
 #include <set>
 #include <string>
 #include <vector>
@@ -96,6 +97,17 @@ TEST(House, ReadmeExamplesAreTheCompiledOnes) {
     EXPECT_NE(read_text(root() / "README.md").find("```cpp\n" + example + "```\n"), std::string::npos)
         << "README.md does not show the example of " << file << " verbatim";
   }
+}
+
+TEST(House, ChecklistNamesTestsThatExist) {
+  std::string tests;
+  for (const SourceFile& file : cpp_files({"tests"})) tests += file.text;
+  const std::string page = read_text(root() / "docs/checklist.md");
+  const std::regex name("`([A-Z][A-Za-z0-9]*)\\.([A-Z][A-Za-z0-9]*)`");
+  std::size_t named = 0;
+  for (std::sregex_iterator it(page.begin(), page.end(), name), end; it != end; ++it, ++named)
+    EXPECT_NE(tests.find("(" + (*it)[1].str() + ", " + (*it)[2].str()), std::string::npos) << "no test " << it->str();
+  EXPECT_GT(named, 100u);
 }
 
 TEST(House, ReadmeNamesTheCommands) {
