@@ -109,7 +109,7 @@ Picture draw_boxes(const Scene& scene, View view) {
 
 /// Everything relative to the first sigma of the sweep, usually 1: one box for each object.
 LinePlot plot_of(const SigmaOptions& options, const std::vector<Row>& rows) {
-  LinePlot plot{"Tight bounding volumes: " + options.scene,
+  LinePlot plot{"Tight bounding volumes: " + title_of(options.scene),
                 "sigma",
                 "% of the first",
                 false,

@@ -85,14 +85,12 @@ Seen seen_of(const Scene& scene, const View& view, const std::vector<bool>& kept
   return seen;
 }
 
-/// A ball with two dents: three bumps in a row along x.
+/// A ball with two waists: three bumps in a row along y.
 Mesh three_bumps() {
   Mesh mesh = make_ball(60, 60);
   for (glm::vec3& p : mesh.positions) {
-    const float waist = 0.35f + 0.65f * std::abs(std::cos(3.14159265f * 1.5f * p.x));
-    p.y *= waist;
-    p.z *= waist;
-    p.x *= 2.0f;
+    const float waist = 0.35f + 0.65f * std::abs(std::cos(3.14159265f * 1.5f * p.y));
+    p *= glm::vec3(waist, 2.0f, waist);
   }
   return mesh;
 }
@@ -110,7 +108,7 @@ TEST(BackFaces, AConvexSolidHasOneBackSideOthersMayHaveSeveral) {
     EXPECT_EQ(back_sides(box, kept_by("backface", boxes, view)), 1);
     most = std::max(most, back_sides(bumps, kept_by("backface", waves, view)));
   }
-  const View along = view_of({7, 1.2, 0});
+  const View along = view_of({1.2, 7, 0});
   EXPECT_GE(std::max(most, back_sides(bumps, kept_by("backface", waves, along))), 2);
 }
 
@@ -140,7 +138,7 @@ TEST(BackFaces, SolveASingleConvexSolidAndNoOther) {
     EXPECT_EQ(seen.wrong, 0u);
     EXPECT_GT(seen.share, 0.85) << "all but what is edge-on or falls between pixels";
   }
-  View view = view_of({6, 0.2, 0.1});  // along the row: the first bump hides the others
+  View view = view_of({0.2, 6, 0.1});  // along the row: the first bump hides the others
   view.fov_y = 0.4;
   view.width = view.height = 400;
   const Seen seen = seen_of(concave, view, kept_by("backface", concave, view));

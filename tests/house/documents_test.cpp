@@ -71,7 +71,8 @@ TEST(House, EveryAlgorithmHasAPage) {
 
 TEST(House, EveryPageHasAnAlgorithm) {
   std::set<std::string> names;
-  for (const Algorithm& row : all_rows()) names.insert(std::string(row.name));
+  for (const Algorithm& row : all_rows())
+    EXPECT_TRUE(names.insert(std::string(row.name)).second) << row.name << " is in the registry twice";
   for (const auto& entry : std::filesystem::directory_iterator(root() / "docs/algorithms")) {
     if (entry.path().extension() != ".md") continue;
     EXPECT_EQ(names.count(entry.path().stem().string()), 1u) << entry.path() << " describes no row of the registry";
