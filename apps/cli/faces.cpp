@@ -135,7 +135,7 @@ void write_picture(const std::string& file, const std::string& bytes) {
 /// 18.11: what more sectors cost and find, beside the tests of each triangle.
 LinePlot mask_plot(const Comparison& comparison, const std::string& scene) {
   LinePlot plot{
-      "Normal masks: " + scene,
+      "Normal masks: " + title_of(scene),
       "back-facing triangles found, %",
       "times faster than the scalar dot product",
       false,
