@@ -228,11 +228,12 @@ std::size_t cull_cones(const Cones& cones, const glm::vec3& eye, std::vector<cha
                     : 0;
   }
   std::size_t triangles = 0;
-  for (std::size_t i = 0; i < count; ++i)
-    if (culled[i] == 0)
-      set_bits(kept, cones.begin[i], cones.end[i]);
-    else
-      triangles += cones.end[i] - cones.begin[i];
+  for (std::size_t i = 0; i < count; ++i) {
+    const std::uint64_t keep = std::uint64_t{culled[i] != 0} - 1;
+    for (std::size_t w = cones.begin[i] / 64; w < (cones.end[i] + 63) / 64; ++w) kept[w] = keep;
+    triangles += culled[i] != 0 ? cones.end[i] - cones.begin[i] : 0;
+  }
+  if (cones.end.back() % 64 != 0) kept[cones.end.back() / 64] &= (std::uint64_t{1} << (cones.end.back() % 64)) - 1;
   return triangles;
 }
 

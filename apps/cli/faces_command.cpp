@@ -13,6 +13,11 @@ void add_faces(CLI::App& app, FacesOptions& options) {
   add_camera(app, options.camera);
   app.add_option("--mask", options.mask, "picture of the normal mask of the first view, .png")->type_name("FILE");
   app.add_option("--volume", options.volume, "picture of a cluster and its culling volume, .png")->type_name("FILE");
+  app.add_option("--mask-speed", options.mask_speed, "plot of normal masks: speed against what they find, .svg")
+      ->type_name("FILE");
+  app.add_option("--cluster-speed", options.cluster_speed,
+                 "plot of clusters: speed and share found by their number, .svg")
+      ->type_name("FILE");
   add_common(app, options.common);
   app.footer(
       "Examples:\n  sightline faces generate:city\n"

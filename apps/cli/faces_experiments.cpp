@@ -161,11 +161,10 @@ Picture draw_mask(const Scene& scene, const View& view) {
   for (const double y : {0.0, 1.0})
     for (const double x : {0.0, 1.0})
       directions.emplace_back(glm::normalize(inverse * pixel_ray(near, x * near.width, y * near.height).direction));
-  std::vector<BackMask> mask(1);
-  back_masks(cube, directions, 1, 4e-6f, mask);
+  const BackMask mask = back_mask(cube, directions, 4e-6f);
   const auto culled = [&](int normal_class) {
     const PolygonNormalMask bits = polygon_normal_mask(normal_class);
-    return (mask[0][bits.byte_offset] & bits.bit_mask) != 0;
+    return (mask[bits.byte_offset] & bits.bit_mask) != 0;
   };
   constexpr Colour background{245, 245, 245}, back{60, 160, 70}, front{205, 205, 210}, line{255, 255, 255};
   Picture picture = blank(980, 840, background);
@@ -248,6 +247,7 @@ Picture draw_culling_volume(const Scene& scene) {
   ClusterTreeConfig config;
   config.leaf = static_cast<int>(std::clamp<std::size_t>(mesh.triangles.size() / 60, 8, 4096));
   config.cost_test = 0.0;
+  config.position = 1.5;  // more in one place than for culling
   const ClusterTree tree = build_cluster_tree(mesh.positions, mesh.triangles, mesh.bounds.centre(), config);
   const auto leaves = leaf_clusters(tree);
   const glm::vec3 half = 0.5f * mesh.bounds.extent();

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <filesystem>
 
 namespace sightline::cli {
 namespace {
@@ -86,6 +87,8 @@ std::string axes(const LinePlot& plot, const Scale& scale) {
 }
 
 }  // namespace
+
+std::string title_of(const std::string& scene) { return std::filesystem::path(scene).filename().string(); }
 
 std::string svg_of(const LinePlot& plot) {
   const Scale scale = scale_of(plot);

@@ -20,6 +20,9 @@ struct LinePlot {
   std::vector<PlotCurve> curves;
 };
 
+/// A scene as a title shows it: without its folders.
+std::string title_of(const std::string& scene);
+
 /// The bytes of an SVG file, 720 x 440.
 std::string svg_of(const LinePlot& plot);
 

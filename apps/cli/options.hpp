@@ -190,8 +190,8 @@ struct FacesOptions {
   std::vector<std::string> methods;  // face cullers; empty for all of the registry
   PathOptions path{"", 12};
   CameraOptions camera;
-  std::string mask;    // picture of a normal mask, empty for none
-  std::string volume;  // picture of a culling volume, empty for none
+  // Pictures, empty for none: a normal mask, a culling volume, the plots of 18.11 and 19.17.
+  std::string mask, volume, mask_speed, cluster_speed;
 };
 
 struct BoundsOptions {
@@ -217,6 +217,7 @@ struct SigmaOptions {
   PathOptions path{"", 24};
   CameraOptions camera;
   std::string output;  // picture of the boxes at the sigma of 24.06, empty for none
+  std::string plot;    // the plot of 24.07, empty for none
 };
 
 struct StructuresOptions {

@@ -6,6 +6,7 @@
 
 #include "camera.hpp"
 #include "json_output.hpp"
+#include "line_plot.hpp"
 #include "picture.hpp"
 #include "scene_argument.hpp"
 #include "sightline/oracle/oracle.hpp"
@@ -106,11 +107,34 @@ Picture draw_boxes(const Scene& scene, View view) {
   return both;
 }
 
+/// Everything relative to the first sigma of the sweep, usually 1: one box for each object.
+LinePlot plot_of(const SigmaOptions& options, const std::vector<Row>& rows) {
+  LinePlot plot{"Tight bounding volumes: " + title_of(options.scene),
+                "sigma",
+                "% of the first",
+                false,
+                0.0,
+                0.0,
+                {{"false-visible", {}}, {"surface", {}}, {"queries", {}}, {"time", {}}}};
+  const Row& first = rows.front();
+  for (const Row& row : rows) {
+    const auto add = [&](std::size_t curve, double value, double reference) {
+      if (reference > 0.0) plot.curves[curve].points.emplace_back(row.sigma, 100.0 * value / reference);
+    };
+    add(0, row.false_visible(), first.false_visible());
+    add(1, row.surface, first.surface);
+    add(2, row.queries, first.queries);
+    add(3, row.ms, first.ms);
+  }
+  return plot;
+}
+
 }  // namespace
 
 int run_sigma(const SigmaOptions& options) {
-  std::optional<OutputFile> picture;
+  std::optional<OutputFile> picture, plot;
   if (!options.output.empty()) picture.emplace(options.output);
+  if (!options.plot.empty()) plot.emplace(options.plot);
   JsonOutput output(options.common);
   const LoadedScene loaded = open_scene(options.scene, options.common);
   const CameraPath path = open_path(options.path, options.camera, loaded.scene, options.common.seed);
@@ -145,6 +169,10 @@ int run_sigma(const SigmaOptions& options) {
   if (picture) {
     picture->write(encode_png(draw_boxes(loaded.scene, path.views.front())));
     picture->commit();
+  }
+  if (plot) {
+    plot->write(svg_of(plot_of(options, rows)));
+    plot->commit();
   }
   output.write(json);
   return missed > 0 ? exit_missed : exit_ok;

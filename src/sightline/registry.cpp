@@ -85,8 +85,6 @@ constexpr std::array rows{
               "2.21 15.01-15.12", nullptr, make_painter_bsp},
     Algorithm{"whitted", Family::renderer, Promise::exact, "rays with shadows, mirrors and glass; fills colour",
               "Appel 1968; Whitted 1980", "13.02 13.03", nullptr, make_whitted_row},
-    Algorithm{"whitted", Family::renderer, Promise::exact, "rays with shadows, mirrors and glass; fills colour",
-              "Appel 1968; Whitted 1980", "13.02 13.03", nullptr, make_whitted_row},
     Algorithm{"ray_cast", Family::renderer, Promise::exact, "per pixel the nearest triangle on a ray, by any structure",
               "Appel 1968", "13.01 13.12 13.13 14.01-14.08", nullptr, make_ray_cast},
 };

@@ -24,8 +24,8 @@ std::vector<Contender> contenders() {
        {"occlusion_masked:occluders=auto:min_size=1", "occlusion_masked:occluders=auto:auto_budget=100000:resolution=1",
         "occlusion_horizon:columns=16", "occlusion_horizon:columns=4096", "occlusion_hzb:order=random:fan=3:min_size=0",
         "occlusion_hzb:order=worst:resolution=0.25", "occlusion_hom:block=1:min_size=0:resolution=1",
-        "occlusion_hom:block=64:resolution=0.25", "occlusion_map:order=random:batch=3:min_size=0",
-        "occlusion_map:order=worst:resolution=1"})
+        "occlusion_hom:block=64:resolution=0.25", "occlusion_hom:depth=boxes",
+        "occlusion_map:order=random:batch=3:min_size=0", "occlusion_map:order=worst:resolution=1"})
     all.push_back({setting, Promise::conservative_continuous});
   all.push_back({"occlusion_virtual:step=1:min_size=0", Promise::conservative});
   for (const char* setting : {"occlusion_hzb:pixels=30", "occlusion_hom:opacity=0.7:holes=9",

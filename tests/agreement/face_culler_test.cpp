@@ -22,7 +22,7 @@ std::vector<std::string> contenders() {
   for (const char* text : {"backface:scalar=on", "normal_mask:n=6", "normal_mask:n=1", "normal_mask:sectors=4:chunk=64",
                            "normal_mask:n=18:sectors=3:scalar=on", "cluster_backface:leaf=1:cost=0.001",
                            "cluster_backface:leaf=16:origins=off:scalar=on", "cluster_backface:position=0:cost=100",
-                           "cluster_backface:cone=off"})
+                           "cluster_backface:leaf=64"})
     all.emplace_back(text);
   return all;
 }

@@ -10,7 +10,8 @@ class Faces : public ProgramTest {};
 
 TEST_F(Faces, SharesAndExperiments) {
   const Outcome outcome = run({"faces", "generate:plant:objects=80", "--frames", "3", "--mask", file("mask.png"),
-                               "--volume", file("volume.png"), "--json", "-"});
+                               "--volume", file("volume.png"), "--mask-speed", file("masks.svg"), "--cluster-speed",
+                               file("clusters.svg"), "--json", "-"});
   ASSERT_EQ(outcome.code, 0) << outcome.err;
   const Json json = outcome.json();
   EXPECT_EQ(json.at("schema"), "sightline.faces/1");
@@ -27,6 +28,13 @@ TEST_F(Faces, SharesAndExperiments) {
   EXPECT_EQ(json.at("rotated_frames").size(), 4u);
   EXPECT_GE(json.at("sweep").size(), 5u);
   for (const char* picture : {"mask.png", "volume.png"}) EXPECT_EQ(read_file(file(picture)).substr(1, 3), "PNG");
+  for (const char* plot : {"masks.svg", "clusters.svg"}) {
+    const std::string svg = read_file(file(plot));
+    EXPECT_EQ(svg.find("<svg"), 0u);
+    EXPECT_NE(svg.find("scalar"), std::string::npos);
+    EXPECT_EQ(svg.find("nan"), std::string::npos);
+    EXPECT_EQ(svg.find("inf"), std::string::npos);
+  }
   EXPECT_NE(run({"faces", "generate:soup:objects=20", "--frames", "1"}).out.find("solid"), std::string::npos);
 }
 
@@ -48,7 +56,7 @@ TEST_F(Faces, BoundsTable) {
 
 TEST_F(Faces, SigmaSweep) {
   const Outcome outcome = run({"sigma", "generate:plant:objects=200", "--frames", "3", "--size", "320x180", "--sigma",
-                               "1,1.4,3", "-o", file("boxes.png"), "--json", "-"});
+                               "1,1.4,3", "-o", file("boxes.png"), "--plot", file("sigma.svg"), "--json", "-"});
   ASSERT_EQ(outcome.code, 0) << outcome.err;
   const Json rows = outcome.json().at("rows");
   ASSERT_EQ(rows.size(), 3u);
@@ -60,6 +68,7 @@ TEST_F(Faces, SigmaSweep) {
   }
   EXPECT_EQ(rows[0].at("boxes_per_object"), 1.0);
   EXPECT_EQ(read_file(file("boxes.png")).substr(1, 3), "PNG");
+  EXPECT_NE(read_file(file("sigma.svg")).find("false-visible"), std::string::npos);
 }
 
 TEST_F(Faces, WalkTellsLostPixels) {

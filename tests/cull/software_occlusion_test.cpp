@@ -6,6 +6,7 @@
 #include "sightline/cull/occlusion_map.hpp"
 #include "sightline/oracle/oracle.hpp"
 #include "sightline/registry.hpp"
+#include "sightline/scene/input_error.hpp"
 
 namespace sightline {
 namespace {
@@ -130,6 +131,31 @@ TEST(Occlusion, AnOpacityThresholdClosesSmallGaps) {
   EXPECT_FALSE(rough.visible.contains(behind));
   EXPECT_GT(rough.verdict.missed_samples, 0u) << "the loss is counted in pixels";
   EXPECT_TRUE(make_culler("occlusion_hom:opacity=0.9", indexed)->approximate());
+}
+
+// Indoors the walls around the eye are one object that reaches before the near plane: large, but its box says nothing
+// about depth. The drawn depth does (Zhang 1998).
+TEST(Occlusion, WallsAroundTheEyeHideWhatStandsOutside) {
+  Mesh walls;
+  const glm::vec3 corners[] = {{-5, -9, -5}, {5, -9, -5}, {5, -9, 5}, {-5, -9, 5}};
+  for (int i = 0; i < 4; ++i) {
+    const auto first = static_cast<std::uint32_t>(walls.positions.size());
+    const Mesh wall = cases::quad(corners[i], corners[(i + 1) % 4] - corners[i], {0, 18, 0});
+    walls.positions.insert(walls.positions.end(), wall.positions.begin(), wall.positions.end());
+    for (const glm::uvec3& t : wall.triangles) walls.triangles.push_back(t + first);
+  }
+  SceneBuilder builder;
+  builder.add_object(builder.add_mesh(walls), identity_affine());
+  const MeshId cube = builder.add_mesh(cases::cube(1));
+  const ObjectId outside = builder.add_object(cube, cases::at({0, 0, -20})),
+                 inside = builder.add_object(cube, cases::at({1, 0, -3}));
+  const Scene scene = builder.build();
+  const IndexedScene indexed = index_scene(scene);
+  const Answer drawn = ask("occlusion_hom", indexed, front_view());
+  EXPECT_FALSE(drawn.visible.contains(outside));
+  EXPECT_TRUE(drawn.visible.contains(inside));
+  EXPECT_TRUE(ask("occlusion_hom:depth=boxes", indexed, front_view()).visible.contains(outside));
+  EXPECT_THROW(make_culler("occlusion_hom:depth=guessed", indexed), InputError);
 }
 
 // Bartz 1999: sparse samples lose what shows between them; with every sample taken nothing is lost.

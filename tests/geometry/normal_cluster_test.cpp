@@ -77,47 +77,8 @@ TEST(NormalCluster, SaysOnlyWhatHoldsForAll) {
   EXPECT_GT(front, 2000u);
 }
 
-/// 19.06 and E37: 28 bytes for the back test, 32 for both, 44 with a local origin; ours has 4 more for rounding and 16
-/// for the cone.
-TEST(NormalCluster, Bytes) { EXPECT_EQ(sizeof(NormalCluster), 44u + 4u + 16u); }
-
-/// With a cone the cluster says no less than without, and still only what holds for all.
-TEST(NormalCluster, ConeAddsOnlyWhatHolds) {
-  Random random(12);
-  std::size_t with = 0, without = 0;
-  for (int round = 0; round < 400; ++round) {
-    const glm::dvec3 place = random.range(0, 3) * random.direction();
-    const auto planes = patch(random, 12, random.range(0, 1.2), random.range(0, 1), place);
-    const Aabb bounds{glm::vec3(place) - 1.0f, glm::vec3(place) + 1.0f};
-    const NormalCluster box = make_cluster(planes, bounds.centre());
-    NormalCluster cone = box;
-    add_cone(cone, planes);
-    NormalCluster apex = make_cluster(planes, glm::vec3(cone_apex(cone, planes, bounds)));
-    add_cone(apex, planes);
-    for (int i = 0; i < 60; ++i) {
-      const glm::dvec3 eye(glm::vec3(random.range(0, 30) * random.direction()));
-      const glm::vec4 e(glm::vec3(eye), i % 4 == 0 ? 0.0f : 1.0f);
-      without += turns_back(box, e, 1e-5f) ? 1 : 0;
-      if (turns_back(box, e, 1e-5f)) {
-        EXPECT_TRUE(turns_back(cone, e, 1e-5f));
-      }
-      for (const NormalCluster& cluster : {cone, apex}) {
-        const bool back = turns_back(cluster, e, 1e-4f), front = turns_front(cluster, e);
-        with += back ? 1 : 0;
-        for (const FacePlane& plane : planes) {
-          const double side = glm::dot(plane.normal, eye) - plane.offset * static_cast<double>(e.w);
-          if (back) {
-            EXPECT_LE(side, 0.0);
-          }
-          if (front) {
-            EXPECT_GE(side, -1e-3);
-          }
-        }
-      }
-    }
-  }
-  EXPECT_GT(with, 2 * without);
-}
+/// 19.06 and E37: 28 bytes for the back test, 32 for both, 44 with a local origin; ours has 4 more for rounding.
+TEST(NormalCluster, Bytes) { EXPECT_EQ(sizeof(NormalCluster), 44u + 4u); }
 
 /// 19.08: far from the origin the test never succeeds about the world's origin, and does about a local one.
 TEST(NormalCluster, LocalOriginRescuesWhatIsFarAway) {

@@ -53,6 +53,21 @@ std::vector<glm::vec3> corner_directions(const View& view, int sectors) {
   return directions;
 }
 
+/// The masks of all sectors.
+std::vector<BackMask> masks_of(const DirectionCube& cube, const View& view, int sectors) {
+  const auto directions = corner_directions(view, sectors);
+  const auto across = static_cast<std::size_t>(sectors) + 1;
+  std::vector<BackMask> masks;
+  for (std::size_t row = 0; row + 1 < across; ++row)
+    for (std::size_t column = 0; column + 1 < across; ++column) {
+      const std::size_t at = row * across + column;
+      masks.push_back(back_mask(
+          cube, std::vector{directions[at], directions[at + 1], directions[at + across], directions[at + across + 1]},
+          4e-6f));
+    }
+  return masks;
+}
+
 /// For every direction within a sector a culled class has no normal that could face it: tried by random normals and
 /// directions. And the masks are of use: sectors find more than the whole image.
 TEST(NormalMask, CulledClassesTurnTheirBacksEverywhereInTheSector) {
@@ -62,8 +77,7 @@ TEST(NormalMask, CulledClassesTurnTheirBacksEverywhereInTheSector) {
       const DirectionCube cube(n);
       View view = look_along({0, 0, 0}, random.direction());
       view.fov_y = random.range(0.3, 1.6);
-      std::vector<BackMask> masks(static_cast<std::size_t>(sectors * sectors));
-      back_masks(cube, corner_directions(view, sectors), sectors, 4e-6f, masks);
+      const std::vector<BackMask> masks = masks_of(cube, view, sectors);
       for (int i = 0; i < 40000; ++i) {
         const double x = random.range(0, view.width), y = random.range(0, view.height);
         const int sx = static_cast<int>(x * sectors / view.width), sy = static_cast<int>(y * sectors / view.height);
@@ -81,8 +95,7 @@ TEST(NormalMask, SmallerSectorsFindMore) {
   const DirectionCube cube(16);
   const View view = look_along({0, 0, 0}, {1, 0.2, -0.4});
   const auto found = [&](int sectors) {
-    std::vector<BackMask> masks(static_cast<std::size_t>(sectors * sectors));
-    back_masks(cube, corner_directions(view, sectors), sectors, 4e-6f, masks);
+    const std::vector<BackMask> masks = masks_of(cube, view, sectors);
     double classes = 0;
     for (const BackMask& mask : masks)
       for (const std::uint8_t byte : mask) classes += std::popcount(byte);
@@ -92,13 +105,47 @@ TEST(NormalMask, SmallerSectorsFindMore) {
   EXPECT_GT(found(2), found(1));
   EXPECT_GT(found(8), found(2));
   EXPECT_LT(found(16), 0.5);
-  std::vector<BackMask> one(1);
   const std::vector<glm::vec3> direction{glm::normalize(glm::vec3(1, 0.2f, -0.4f))};
-  back_masks(cube, direction, 1, 4e-6f, one);  // orthographic (18.05): almost half of all
+  const BackMask one = back_mask(cube, direction, 4e-6f);  // orthographic (18.05): almost half of all
   double classes = 0;
-  for (const std::uint8_t byte : one[0]) classes += std::popcount(byte);
+  for (const std::uint8_t byte : one) classes += std::popcount(byte);
   EXPECT_GT(classes / cube.classes(), 0.44);
   EXPECT_LT(classes / cube.classes(), 0.5);
+}
+
+/// 18.07: a class is set exactly if all 16 products of its corner normals with the corner directions reach the margin.
+TEST(NormalMask, SixteenProductsDecideOnEveryTarget) {
+  for (const std::int64_t target : hwy::SupportedAndGeneratedTargets()) {
+    hwy::SetSupportedTargetsForTest(target);
+    hwy::GetChosenTarget().DeInit();
+    for (int n = 1; n <= 18; ++n) {
+      const DirectionCube cube(n);
+      const auto& [x, y, z] = cube.corners();
+      const auto directions = corner_directions(look_along({0, 0, 0}, {0.3, -0.2, 0.9}), 1);
+      const BackMask mask = back_mask(cube, directions, 4e-6f);
+      int set = 0;
+      for (int c = 0; c < cube.classes(); ++c) {
+        const int face = c / (n * n), row = c / n % n, column = c % n;
+        double least = 2.0;
+        for (const int corner : {0, 1, n + 1, n + 2}) {
+          const auto i = static_cast<std::size_t>((face * (n + 1) + row) * (n + 1) + column + corner);
+          for (const glm::vec3& v : directions)
+            least = std::min(least, glm::dot(glm::dvec3(v), glm::dvec3(x[i], y[i], z[i])));
+        }
+        const PolygonNormalMask bits = polygon_normal_mask(c);
+        const bool back = (mask[bits.byte_offset] & bits.bit_mask) != 0;
+        set += back ? 1 : 0;
+        if (std::abs(least - 4e-6) > 1e-6) {
+          EXPECT_EQ(back, least >= 4e-6) << n << " " << c << " on " << hwy::TargetName(target);
+        }
+      }
+      int all = 0;
+      for (const std::uint8_t byte : mask) all += std::popcount(byte);
+      EXPECT_EQ(all, set);  // no bit beyond the classes
+    }
+  }
+  hwy::SetSupportedTargetsForTest(0);
+  hwy::GetChosenTarget().DeInit();
 }
 
 TEST(NormalMask, EveryTargetAndTailGivesTheReferencesAnswer) {

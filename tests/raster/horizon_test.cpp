@@ -82,7 +82,7 @@ WallFence wall(double x0, double x1, double y0, double y1, double z) { return {{
 
 bool hidden(const Horizon& horizon, const Aabb& b) {
   std::uint64_t cells = 0;
-  return horizon.hides(horizon.project(b), cells);
+  return horizon.hides(horizon.query(horizon.project(b)), cells);
 }
 
 TEST(Horizon, AWallHidesWhatStandsBehindItBelowItsTop) {

@@ -4,6 +4,7 @@
 #include <chrono>
 #include <cmath>
 
+#include "sightline/core/kept_number.hpp"
 #include "sightline/core/mesh_face_culler.hpp"
 #include "sightline/geometry/cluster_tree.hpp"
 #include "sightline/parallel/parallel.hpp"
@@ -28,8 +29,10 @@ class ClusterBackface final : public MeshFaceCuller {
 
   [[nodiscard]] std::size_t bytes() const override {
     std::size_t total = 0;
-    for (const ClusterTree& tree : trees_)
-      total += sizeof(ClusterNode) * tree.nodes.size() + sizeof(std::uint32_t) * tree.order.size();
+    for (const ClusterTree& tree : trees_) {
+      total += sizeof(std::uint32_t) * tree.order.size();
+      for (const std::vector<ClusterNode>& level : tree.levels) total += sizeof(ClusterNode) * level.size();
+    }
     return total;
   }
 
@@ -47,54 +50,57 @@ class ClusterBackface final : public MeshFaceCuller {
   std::vector<ClusterTree> trees_;  // by mesh
 };
 
+/// t_C / r, between 1/64 and 64.
+double measure_cluster_cost() {
+  // A cluster test against what a triangle costs at least when it is not culled: three corners projected and its
+  // area's sign taken. The best of several rounds, as a power of two: steady enough to give the same clusters again.
+  constexpr int rounds = 7, count = 4096;
+  std::vector<NormalCluster> clusters(count);
+  std::vector<glm::vec3> corners(3 * count);
+  for (int i = 0; i < count; ++i) {
+    const float a = 0.37f * static_cast<float>(i);
+    clusters[static_cast<std::size_t>(i)] = {
+        {-0.5f, 0.1f, std::sin(a)}, {0.5f, 0.4f, 1.0f}, std::cos(a), 1.0f, {a, 0, 1}, 1.0f};
+    for (int k = 0; k < 3; ++k)
+      corners[static_cast<std::size_t>(3 * i + k)] = {std::cos(a + 2.1f * static_cast<float>(k)), std::sin(a), 2.0f};
+  }
+  const auto best = [&](auto&& work) {
+    double least = 1e9;
+    for (int round = 0; round < rounds; ++round) {
+      const auto start = std::chrono::steady_clock::now();
+      volatile int keep = work();
+      (void)keep;
+      least = std::min(least, std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
+    }
+    return std::max(least, 1e-9);
+  };
+  const glm::vec4 eye(3.0f, -2.0f, 5.0f, 1.0f);
+  const double test = best([&] {
+    int found = 0;
+    for (const NormalCluster& cluster : clusters) found += turns_back(cluster, eye, 1e-3f) ? 1 : 0;
+    return found;
+  });
+  const glm::mat4 matrix(1.2f, 0.1f, 0.3f, 0.2f, -0.1f, 1.1f, 0.2f, 0.1f, 0.2f, 0.3f, 1.0f, 0.9f, 0.0f, 0.1f, 0.5f,
+                         1.0f);
+  const double triangle = best([&] {
+    int found = 0;
+    for (std::size_t i = 0; i < corners.size(); i += 3) {
+      glm::vec2 p[3];
+      for (std::size_t k = 0; k < 3; ++k) {
+        const glm::vec4 q = matrix * glm::vec4(corners[i + k], 1.0f);
+        p[k] = glm::vec2(q) / q.w;
+      }
+      found += (p[1].x - p[0].x) * (p[2].y - p[0].y) - (p[1].y - p[0].y) * (p[2].x - p[0].x) > 0.0f ? 1 : 0;
+    }
+    return found;
+  });
+  return std::exp2(std::round(std::log2(std::clamp(test / triangle, 1.0 / 64, 64.0))));
+}
+
 }  // namespace
 
 double measured_cluster_cost() {
-  static const double ratio = [] {
-    // A cluster test against what a triangle costs at least when it is not culled: three corners projected and its
-    // area's sign taken. The best of several rounds, as a power of two: steady enough to give the same clusters again.
-    constexpr int rounds = 7, count = 4096;
-    std::vector<NormalCluster> clusters(count);
-    std::vector<glm::vec3> corners(3 * count);
-    for (int i = 0; i < count; ++i) {
-      const float a = 0.37f * static_cast<float>(i);
-      clusters[static_cast<std::size_t>(i)] = {
-          {-0.5f, 0.1f, std::sin(a)}, {0.5f, 0.4f, 1.0f}, std::cos(a), 1.0f, {a, 0, 1}, 1.0f};
-      for (int k = 0; k < 3; ++k)
-        corners[static_cast<std::size_t>(3 * i + k)] = {std::cos(a + 2.1f * static_cast<float>(k)), std::sin(a), 2.0f};
-    }
-    const auto best = [&](auto&& work) {
-      double least = 1e9;
-      for (int round = 0; round < rounds; ++round) {
-        const auto start = std::chrono::steady_clock::now();
-        volatile int keep = work();
-        (void)keep;
-        least = std::min(least, std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
-      }
-      return std::max(least, 1e-9);
-    };
-    const glm::vec4 eye(3.0f, -2.0f, 5.0f, 1.0f);
-    const double test = best([&] {
-      int found = 0;
-      for (const NormalCluster& cluster : clusters) found += turns_back(cluster, eye, 1e-3f) ? 1 : 0;
-      return found;
-    });
-    const glm::mat4 matrix(1.2f, 0.1f, 0.3f, 0.2f, -0.1f, 1.1f, 0.2f, 0.1f, 0.2f, 0.3f, 1.0f, 0.9f, 0.0f, 0.1f, 0.5f,
-                           1.0f);
-    const double triangle = best([&] {
-      int found = 0;
-      for (std::size_t i = 0; i < corners.size(); i += 3) {
-        glm::vec2 p[3];
-        for (std::size_t k = 0; k < 3; ++k) {
-          const glm::vec4 q = matrix * glm::vec4(corners[i + k], 1.0f);
-          p[k] = glm::vec2(q) / q.w;
-        }
-        found += (p[1].x - p[0].x) * (p[2].y - p[0].y) - (p[1].y - p[0].y) * (p[2].x - p[0].x) > 0.0f ? 1 : 0;
-      }
-      return found;
-    });
-    return std::exp2(std::round(std::log2(std::clamp(test / triangle, 1.0 / 64, 64.0))));
-  }();
+  static const double ratio = kept_number("cluster_cost", 1.0 / 64, 64.0, measure_cluster_cost);
   return ratio;
 }
 
@@ -108,7 +114,6 @@ std::unique_ptr<FaceCuller> make_cluster_backface(const IndexedScene& scene, Par
   parameters.read("position", config.position, 0.0, 100.0);
   parameters.read("near_field", near_field, 1.01, 1000.0);
   parameters.read("origins", config.origins);
-  parameters.read("cone", config.cone);
   parameters.read("scalar", scalar);
   parameters.finish();
   if (config.cost_test == 0.0) config.cost_test = measured_cluster_cost();

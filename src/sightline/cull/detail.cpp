@@ -48,6 +48,7 @@ class Detail final : public Culler {
     visible.reset(candidates.universe());
     drawn_.resize(spheres_.size(), State::unknown);
     const bool all = candidates.is_all();
+    now_ = view_projection(view);
     const std::size_t found = boxes_in_frustum(boxes_, view_frustum(view, reach_), ids_.data());
     counters.boxes_tested += boxes_.count;
     for (std::size_t i = 0; i < found; ++i) {
@@ -58,7 +59,7 @@ class Detail final : public Culler {
       drawn_[id] = draw ? State::drawn : State::dropped;
       if (draw) visible.insert(id);
     }
-    before_ = view;
+    before_ = now_;
   }
 
   void reset() override {
@@ -91,8 +92,7 @@ class Detail final : public Culler {
   /// width.
   [[nodiscard]] double moved(const View& view, ObjectId id) const {
     const glm::dvec3 centre(scene_.objects()[id].bounds.centre());
-    const glm::dvec4 a = view_projection(view) * glm::dvec4(centre, 1.0),
-                     b = view_projection(*before_) * glm::dvec4(centre, 1.0);
+    const glm::dvec4 a = now_ * glm::dvec4(centre, 1.0), b = *before_ * glm::dvec4(centre, 1.0);
     if (!(a.w > 0.0 && b.w > 0.0)) return view.width;
     const glm::dvec2 step = (glm::dvec2(a) / a.w - glm::dvec2(b) / b.w) * 0.5 * glm::dvec2(view.width, view.height);
     return std::min(glm::length(step), static_cast<double>(view.width));
@@ -105,7 +105,8 @@ class Detail final : public Culler {
   std::vector<ObjectId> ids_;
   std::vector<Sphere> spheres_;
   std::vector<State> drawn_;
-  std::optional<View> before_;
+  glm::dmat4 now_{1.0};               // view projection
+  std::optional<glm::dmat4> before_;  // that of the last frame
 };
 
 }  // namespace

@@ -1,6 +1,7 @@
 #include "sightline/cull/normal_mask.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numeric>
 
@@ -149,8 +150,8 @@ class NormalMask final : public MeshFaceCuller {
     }
     local_.clear();
     for (const glm::dvec3& direction : directions_) local_.emplace_back(glm::normalize(inverse * direction));
-    back_masks(cube_, local_, config_.sectors, static_cast<float>(margin), masks_);
-    counters.clusters_tested += static_cast<std::uint64_t>(cube_.classes()) * (local_.size() == 1 ? 1 : masks_.size());
+    margin_ = static_cast<float>(margin);
+    made_.assign(masks_.size(), false);
     counters.faces_tested += count;
     std::size_t culled = 0;
     const glm::dmat4 to_image = image_ * to_matrix(object.transform);
@@ -164,7 +165,22 @@ class NormalMask final : public MeshFaceCuller {
           mesh.byte_offset.data() + chunk.begin, mesh.bit_mask.data() + chunk.begin, chunk.end - chunk.begin, mask,
           kept.data() + chunk.begin / 64);
     }
+    counters.clusters_tested += static_cast<std::uint64_t>(cube_.classes()) *
+                                static_cast<std::uint64_t>(std::count(made_.begin(), made_.end(), true));
     return culled;
+  }
+
+  /// The mask of a sector, made when it is first asked for: most objects lie in few of them.
+  const BackMask& mask_at(std::size_t x, std::size_t y) {
+    const auto sectors = static_cast<std::size_t>(config_.sectors), at = y * sectors + x;
+    if (!made_[at]) {
+      made_[at] = true;
+      const std::size_t corner = y * (sectors + 1) + x;
+      const std::array<glm::vec3, 4> four{local_[corner], local_[corner + 1], local_[corner + sectors + 1],
+                                          local_[corner + sectors + 2]};
+      masks_[at] = back_mask(cube_, four, margin_);
+    }
+    return masks_[at];
   }
 
   /// How far a normal may turn when the corners of a triangle of this least height are rounded in world space.
@@ -175,21 +191,32 @@ class NormalMask final : public MeshFaceCuller {
   }
 
   /// The mask for all sectors that a chunk may touch; false if it lies outside of the image, of which nothing is known.
-  bool mask_of(const Chunk& chunk, const glm::dmat4& to_image, BackMask& mask) const {
-    if (masks_.size() == 1 || local_.size() == 1) {
+  bool mask_of(const Chunk& chunk, const glm::dmat4& to_image, BackMask& mask) {
+    if (local_.size() == 1) {
+      if (!made_[0]) masks_[0] = back_mask(cube_, local_, margin_);
+      made_[0] = true;
       mask = masks_[0];
       return true;
     }
+    if (masks_.size() == 1) {
+      mask = mask_at(0, 0);
+      return true;
+    }
     glm::dvec2 low(2.0), high(-2.0);
+    const glm::dvec3 size = glm::dvec3(chunk.bounds.hi) - glm::dvec3(chunk.bounds.lo);
+    const glm::dvec4 corner = to_image * glm::dvec4(glm::dvec3(chunk.bounds.lo), 1.0), along_x = to_image[0] * size.x,
+                     along_y = to_image[1] * size.y, along_z = to_image[2] * size.z;
     for (int i = 0; i < 8; ++i) {
-      const glm::dvec4 p = to_image * glm::dvec4(glm::dvec3(chunk.bounds.corner(i)), 1.0);
+      const glm::dvec4 p = corner + static_cast<double>(i & 1) * along_x + static_cast<double>(i >> 1 & 1) * along_y +
+                           static_cast<double>(i >> 2) * along_z;
       if (!(p.w > 1e-9 * (std::abs(p.x) + std::abs(p.y)))) {
         low = glm::dvec2(-1.0);
         high = glm::dvec2(1.0);
         break;
       }
-      low = glm::min(low, glm::dvec2(p) / p.w);
-      high = glm::max(high, glm::dvec2(p) / p.w);
+      const glm::dvec2 at = glm::dvec2(p) * (1.0 / p.w);
+      low = glm::min(low, at);
+      high = glm::max(high, at);
     }
     constexpr double wide = 1e-4;  // a sector is shared by what lies at its border
     if (low.x > 1.0 || low.y > 1.0 || high.x < -1.0 || high.y < -1.0) return false;
@@ -202,7 +229,7 @@ class NormalMask final : public MeshFaceCuller {
     mask.fill(0xFF);
     for (int y = y0; y <= y1; ++y)
       for (int x = x0; x <= x1; ++x) {
-        const BackMask& part = masks_[static_cast<std::size_t>(y * s + x)];
+        const BackMask& part = mask_at(static_cast<std::size_t>(x), static_cast<std::size_t>(y));
         for (std::size_t i = 0; i < mask.size(); ++i) mask[i] &= part[i];
       }
     return true;
@@ -215,7 +242,9 @@ class NormalMask final : public MeshFaceCuller {
   glm::dmat4 image_{1.0};
   std::vector<glm::dvec3> directions_;  // world space, through the corners of the sectors
   std::vector<glm::vec3> local_;        // the same in the space of a mesh
-  std::vector<BackMask> masks_;
+  float margin_ = 0.0f;                 // of the mesh
+  std::vector<BackMask> masks_;         // by sector
+  std::vector<bool> made_;              // by sector, for the mesh
 };
 
 }  // namespace

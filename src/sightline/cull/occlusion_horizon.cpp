@@ -68,7 +68,11 @@ class OcclusionHorizon final : public Culler {
     open_.clear();
     pending_.clear();
     added_ = -std::numeric_limits<double>::infinity();
-    open_.push_back({-std::numeric_limits<float>::infinity(), 0, (1u << frustum_.count) - 1u, false});
+    open_.push_back({-std::numeric_limits<float>::infinity(),
+                     0,
+                     {},
+                     static_cast<std::uint16_t>((1u << frustum_.count) - 1u),
+                     false});
     while (!open_.empty()) {
       std::pop_heap(open_.begin(), open_.end(), farther);
       const Entry entry = open_.back();
@@ -86,7 +90,9 @@ class OcclusionHorizon final : public Culler {
  private:
   struct Entry {
     float nearest;  // plan distance, rounded towards the eye
-    std::uint32_t index, planes;
+    std::uint32_t index;
+    HorizonQuery asks;     // whether it is hidden
+    std::uint16_t planes;  // of the frustum that are still to be tested, one bit each
     bool object;
   };
   struct Pending {
@@ -116,24 +122,26 @@ class OcclusionHorizon final : public Culler {
     ++counters.boxes_tested;
     if (outside(frustum_, box, planes)) return;
     const HorizonBox seen = usable_ ? horizon_.project(box) : HorizonBox{};
-    // What is hidden now stays hidden: walls are only added.
-    if (usable_ && hidden(seen, counters)) return;
     const double slack = 4e-7 * (std::abs(seen.nearest) + reach_);
-    open_.push_back({static_cast<float>(seen.nearest - slack), index, planes, object});
+    const Entry entry{static_cast<float>(seen.nearest - slack), index, usable_ ? horizon_.query(seen) : HorizonQuery{},
+                      static_cast<std::uint16_t>(planes), object};
+    // What is hidden now stays hidden: walls are only added.
+    if (hidden(entry, counters)) return;
+    open_.push_back(entry);
     std::push_heap(open_.begin(), open_.end(), farther);
   }
 
-  bool hidden(const HorizonBox& box, Counters& counters) {
+  bool hidden(const Entry& entry, Counters& counters) {
     // The horizon holds walls up to `added_`; a box that starts before may be in front of them.
-    if (box.nearest < added_) return false;
+    if (entry.asks.first > entry.asks.last || static_cast<double>(entry.nearest) < added_) return false;
     ++counters.queries;
-    return horizon_.hides(box, counters.cells_tested);
+    return horizon_.hides(entry.asks, counters.cells_tested);
   }
 
   void take_node(const Entry& entry, const VisibleSet& candidates, Counters& counters) {
     const BvhNode& node = bvh_.nodes[entry.index];
     ++counters.nodes_visited;
-    if (entry.index != 0 && usable_ && hidden(horizon_.project(node.bounds), counters)) return;
+    if (hidden(entry, counters)) return;
     if (!node.leaf()) {
       queue(node.first, false, bvh_.nodes[node.first].bounds, entry.planes, counters);
       queue(node.first + 1, false, bvh_.nodes[node.first + 1].bounds, entry.planes, counters);
@@ -148,15 +156,11 @@ class OcclusionHorizon final : public Culler {
 
   void take_object(const Entry& entry, VisibleSet& visible, Counters& counters) {
     const auto id = static_cast<ObjectId>(entry.index);
-    if (!usable_) {
-      visible.insert(id);
-      return;
-    }
-    const HorizonBox box = horizon_.project(scene_.objects()[id].bounds);
-    if (hidden(box, counters)) return;
+    if (hidden(entry, counters)) return;
     visible.insert(id);
-    if (!scene_.objects()[id].opaque || !(boxes_ || fences_->of(id) != nullptr)) return;
-    if (box.askable && (box.u1 - box.u0) / (horizon_.border(1) - horizon_.border(0)) < 1.0) return;  // spans no column
+    if (!usable_ || !(boxes_ ? scene_.objects()[id].opaque : fences_->of(id) != nullptr)) return;
+    const HorizonBox box = horizon_.project(scene_.objects()[id].bounds);
+    if (box.askable && (box.u1 - box.u0) / (horizon_.border(1) - horizon_.border(0)) < 3.0) return;  // too narrow
     pending_.push_back({static_cast<float>(box.farthest + 4e-7 * (std::abs(box.farthest) + reach_)), id});
     std::push_heap(pending_.begin(), pending_.end(), later);
   }
@@ -204,7 +208,7 @@ class OcclusionHorizon final : public Culler {
 }  // namespace
 
 std::unique_ptr<Culler> make_occlusion_horizon(const IndexedScene& scene, ParameterReader& parameters) {
-  int columns = 320;
+  int columns = 240;
   std::string occluders = "walls";
   parameters.read("columns", columns, 16, 16384);
   parameters.read("occluders", occluders);

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 #include <array>
-#include <limits>
+#include <bit>
 #include <numeric>
 
 #include "sightline/geometry/cluster_walk.hpp"
@@ -17,41 +17,34 @@ namespace sightline::HWY_NAMESPACE {
 
 namespace hn = hwy::HWY_NAMESPACE;
 
-/// Bits of the children that turn back (low byte) and front (high byte).
-HWY_INLINE std::uint32_t test_children(const ClusterNode& node, const glm::vec4& eye, float slack, float sharpness) {
+HWY_INLINE NodeSides test_node(const ClusterNode& node, const glm::vec4& eye, float slack, float sharpness) {
   const hn::CappedTag<float, ClusterNode::width> d;
   const std::size_t lanes = hn::Lanes(d);
   const auto w = hn::Set(d, eye.w);
-  std::uint32_t back = 0, front = 0;
+  NodeSides sides{0, 0};
   for (std::size_t k = 0; k < ClusterNode::width; k += lanes) {
-    auto most = hn::Zero(d), least = hn::Zero(d), along = hn::Zero(d), square = hn::Zero(d);
+    auto most = hn::Zero(d), least = hn::Zero(d);
     for (int axis = 0; axis < 3; ++axis) {
       const auto v = hn::Sub(hn::Set(d, eye[axis]), hn::Mul(hn::LoadU(d, node.c[axis] + k), w));
       const auto low = hn::Mul(hn::LoadU(d, node.n[axis] + k), v), high = hn::Mul(hn::LoadU(d, node.m[axis] + k), v);
       most = hn::Add(most, hn::Max(low, high));
       least = hn::Add(least, hn::Min(low, high));
-      along = hn::Add(along, hn::Mul(hn::LoadU(d, node.axis[axis] + k), v));
-      square = hn::Add(square, hn::Mul(v, v));
     }
-    const auto wide = hn::Mul(hn::LoadU(d, node.radius + k), hn::Sqrt(square));
-    most = hn::Min(most, hn::Add(along, wide));
-    least = hn::Max(least, hn::Sub(along, wide));
     const auto limit = hn::Add(hn::Set(d, slack), hn::Mul(hn::Set(d, sharpness), hn::LoadU(d, node.sharpness + k)));
     const auto behind = hn::Sub(most, hn::Mul(hn::LoadU(d, node.d + k), w));
     const auto before = hn::Sub(least, hn::Mul(hn::LoadU(d, node.front + k), w));
-    std::uint8_t back_bits[8] = {}, front_bits[8] = {};
-    hn::StoreMaskBits(d, hn::Le(behind, hn::Neg(limit)), back_bits);
-    hn::StoreMaskBits(d, hn::Gt(before, hn::Zero(d)), front_bits);
-    back |= static_cast<std::uint32_t>(back_bits[0]) << k;
-    front |= static_cast<std::uint32_t>(front_bits[0]) << k;
+    std::uint8_t back[8] = {}, front[8] = {};
+    hn::StoreMaskBits(d, hn::Le(behind, hn::Neg(limit)), back);
+    hn::StoreMaskBits(d, hn::Gt(before, hn::Zero(d)), front);
+    sides.back |= static_cast<std::uint32_t>(back[0]) << k;
+    sides.front |= static_cast<std::uint32_t>(front[0]) << k;
   }
-  return (back & 0xFFu) | ((front & 0xFFu) << 8);
+  return sides;
 }
 
 void front_clusters_simd(const ClusterTree& tree, const glm::vec4& eye, float slack, float sharpness,
                          std::span<std::uint64_t> kept, ClusterCounts& counts) {
-  walk_clusters(tree, kept, counts,
-                [&](const ClusterNode& node) { return test_children(node, eye, slack, sharpness); });
+  walk_clusters(tree, kept, counts, [&](const ClusterNode& node) { return test_node(node, eye, slack, sharpness); });
 }
 
 }  // namespace sightline::HWY_NAMESPACE
@@ -61,160 +54,139 @@ HWY_AFTER_NAMESPACE();
 namespace sightline {
 namespace {
 
-/// A node of the binary tree from which the wide one is made.
-struct Part {
-  std::uint32_t begin, end;
-  std::uint32_t left = 0, right = 0;  // 0: a leaf
-  Aabb bounds{};
-  NormalCluster cluster{};
-};
+constexpr std::uint32_t width = ClusterNode::width;
 
 struct Build {
   const ClusterTreeConfig& config;
-  std::vector<FacePlane> planes;  // by triangle
-  std::vector<Aabb> boxes;        // by triangle
+  std::uint32_t leaf = 1;                      // triangles
+  std::vector<FacePlane> planes;               // by triangle
+  std::vector<Aabb> boxes;                     // by triangle
+  std::vector<std::array<float, 6>> features;  // by triangle: normal, and place by its weight
   std::vector<std::uint32_t> order;
-  double size;         // of the mesh
-  std::uint32_t leaf;  // triangles
-  std::vector<Part> parts;
-  std::vector<FacePlane> gathered;
 };
 
-std::array<double, 6> features(const Build& build, std::uint32_t triangle) {
-  const glm::dvec3& n = build.planes[triangle].normal;
-  const glm::dvec3 p = glm::dvec3(build.boxes[triangle].centre()) * (build.config.position / build.size);
-  return {n.x, n.y, n.z, p.x, p.y, p.z};
+/// A whole small solid never turns its back: it needs clusters of its own scale.
+std::uint32_t leaf_size(std::size_t triangles, const ClusterTreeConfig& config) {
+  const auto most = static_cast<std::size_t>(std::max(config.leaf, 1));
+  return static_cast<std::uint32_t>(
+      std::bit_floor(std::clamp<std::size_t>(triangles / 24, std::min(most, size_t{2}), most)));
 }
 
-/// Where to part a range: the first place of the right half. Both halves hold at least one triangle.
-std::uint32_t part_range(Build& build, std::uint32_t begin, std::uint32_t end, int depth) {
-  std::array<double, 6> low{}, high{}, sum{};
-  low.fill(1e300);
-  high.fill(-1e300);
-  for (std::uint32_t i = begin; i < end; ++i) {
-    const std::array<double, 6> f = features(build, build.order[i]);
+/// Puts triangles that are much thinner than most last; returns how many are before them, a multiple of the leaf.
+std::uint32_t set_thin_apart(Build& build) {
+  std::vector<std::uint32_t>& order = build.order;
+  const auto height = [&](std::uint32_t t) { return build.planes[t].height; };
+  const auto thicker = [&](std::uint32_t a, std::uint32_t b) {
+    return height(a) != height(b) ? height(a) > height(b) : a < b;
+  };
+  const auto count = static_cast<std::ptrdiff_t>(order.size());
+  std::nth_element(order.begin(), order.begin() + count / 2, order.end(), thicker);
+  const double thin = 0.25 * height(order[static_cast<std::size_t>(count / 2)]);
+  const auto below = [&](double limit) {
+    return std::count_if(order.begin(), order.end(), [&](std::uint32_t t) { return !(height(t) > limit); });
+  };
+  const std::ptrdiff_t apart = std::max(std::min(below(thin), count / 16), below(0.0));
+  const std::ptrdiff_t before = (count - apart) / build.leaf * build.leaf;
+  if (before < count) std::nth_element(order.begin(), order.begin() + before, order.end(), thicker);
+  return static_cast<std::uint32_t>(before);
+}
+
+/// Orders a range of places so that clusters of every level are compact: cut near the middle, at a border of the
+/// largest clusters that fit.
+void part(Build& build, std::uint32_t begin, std::uint32_t end) {
+  const std::uint32_t count = end - begin;
+  if (count <= build.leaf) return;
+  std::array<double, 6> sum{}, square{};
+  for (std::uint32_t i = begin; i < end; ++i)
     for (std::size_t k = 0; k < 6; ++k) {
-      low[k] = std::min(low[k], f[k]);
-      high[k] = std::max(high[k], f[k]);
-      sum[k] += f[k];
+      const auto f = static_cast<double>(build.features[build.order[i]][k]);
+      sum[k] += f;
+      square[k] += f * f;
     }
-  }
+  const auto varies = [&](std::size_t k) { return square[k] - sum[k] * sum[k] / count; };
   std::size_t axis = 0;
   for (std::size_t k = 1; k < 6; ++k)
-    if (high[k] - low[k] > high[axis] - low[axis]) axis = k;
-  const double at = sum[axis] / (end - begin);
-  const auto first = build.order.begin();
-  auto middle =
-      std::stable_partition(first + begin, first + end, [&](std::uint32_t t) { return features(build, t)[axis] < at; });
-  auto place = static_cast<std::uint32_t>(middle - first);
-  return place == begin || place == end || depth > 48 ? begin + (end - begin) / 2 : place;
+    if (varies(k) > varies(axis)) axis = k;
+  std::uint32_t unit = build.leaf;
+  while (count / width > unit) unit *= width;
+  const std::uint32_t middle = begin + std::clamp((count / 2 + unit / 2) / unit, 1u, (count - 1) / unit) * unit;
+  std::nth_element(build.order.begin() + begin, build.order.begin() + middle, build.order.begin() + end,
+                   [&](std::uint32_t a, std::uint32_t b) {
+                     const float fa = build.features[a][axis], fb = build.features[b][axis];
+                     return fa != fb ? fa < fb : a < b;
+                   });
+  part(build, begin, middle);
+  part(build, middle, end);
 }
 
-/// Radical inverse of i: evenly spread numbers in [0, 1) that are the same everywhere.
-double spread(int i, int base) {
-  double result = 0.0, step = 1.0;
-  for (; i > 0; i /= base) {
-    step /= base;
-    result += step * (i % base);
-  }
-  return result;
-}
-
-/// Of how many viewpoints around the mesh the cluster is culled: what counts in the end, box and cone together.
-int culled_from(const NormalCluster& cluster, double size) {
-  int culled = 0;
-  for (int i = 1; i <= 64; ++i) {
-    const glm::vec3 eye(3.0 * size * (glm::dvec3(spread(i, 2), spread(i, 3), spread(i, 5)) - 0.5));
-    culled += turns_back(cluster, glm::vec4(eye, 1.0f), 0.0f) ? 1 : 0;
-  }
-  return culled;
-}
-
-/// Adds the cone, and takes its apex as local origin where that is culled more often.
-void improve(const Build& build, Part& part) {
-  add_cone(part.cluster, build.gathered);
-  const glm::dvec3 apex = cone_apex(part.cluster, build.gathered, part.bounds);
-  // The slack of the test is made for origins within the mesh's bounds.
-  if (part.cluster.radius >= NormalCluster::no_cone || glm::length(apex) > 0.5 * build.size) return;
-  NormalCluster other = make_cluster(build.gathered, glm::vec3(apex));
-  other.axis = part.cluster.axis;
-  other.radius = part.cluster.radius;
-  if (culled_from(other, build.size) > culled_from(part.cluster, build.size)) part.cluster = other;
-}
-
-std::uint32_t build_part(Build& build, std::uint32_t begin, std::uint32_t end, int depth = 0) {
-  const auto index = static_cast<std::uint32_t>(build.parts.size());
-  build.parts.push_back({begin, end});
-  Part part{begin, end};
-  for (std::uint32_t i = begin; i < end; ++i) part.bounds.extend(build.boxes[build.order[i]]);
-  if (end - begin > build.leaf) {
-    const std::uint32_t middle = part_range(build, begin, end, depth);
-    part.left = build_part(build, begin, middle, depth + 1);
-    part.right = build_part(build, middle, end, depth + 1);
-  }
-  build.gathered.clear();
-  for (std::uint32_t i = begin; i < end; ++i) build.gathered.push_back(build.planes[build.order[i]]);
-  const Aabb viewpoints = near_field(part.bounds, build.config.near_field);
-  part.cluster = build.config.origins ? best_cluster(build.gathered, part.bounds, viewpoints)
-                                      : make_cluster(build.gathered, part.bounds.centre());
-  if (build.config.cone) improve(build, part);
-  const ClusterCost cost{build.config.cost_test};
-  if (part.left != 0 && build.parts[part.left].left == 0 && build.parts[part.right].left == 0) {
-    const Part &a = build.parts[part.left], &b = build.parts[part.right];
-    const double threshold = cost.merge_threshold(
-        culling_probability(a.cluster, near_field(a.bounds, build.config.near_field)), a.end - a.begin,
-        culling_probability(b.cluster, near_field(b.bounds, build.config.near_field)), b.end - b.begin);
-    if (build.config.cost_test > 0.0 && culling_probability(part.cluster, viewpoints) > threshold)
-      part.left = part.right = 0;
-  }
-  build.parts[index] = part;
-  return index;
-}
-
-void put(ClusterNode& node, std::size_t k, const Part& part) {
+void put(ClusterNode& node, std::uint32_t k, const NormalCluster& cluster) {
   for (int axis = 0; axis < 3; ++axis) {
-    node.n[axis][k] = part.cluster.n[axis];
-    node.m[axis][k] = part.cluster.m[axis];
-    node.c[axis][k] = part.cluster.c[axis];
-    node.axis[axis][k] = part.cluster.axis[axis];
+    node.n[axis][k] = cluster.n[axis];
+    node.m[axis][k] = cluster.m[axis];
+    node.c[axis][k] = cluster.c[axis];
   }
-  node.d[k] = part.cluster.d;
-  node.front[k] = part.cluster.front;
-  node.sharpness[k] = part.cluster.sharpness;
-  node.radius[k] = part.cluster.radius;
-  node.begin[k] = part.begin;
-  node.end[k] = part.end;
-  node.child[k] = ClusterNode::leaf;
+  node.d[k] = cluster.d;
+  node.front[k] = cluster.front;
+  node.sharpness[k] = cluster.sharpness;
 }
 
-/// Opens the largest of up to eight parts until there are eight or only leaves; then each inner one becomes a node.
-std::uint32_t make_node(const Build& build, const std::vector<std::uint32_t>& top, ClusterTree& tree) {
-  std::vector<std::uint32_t> list = top;
-  while (list.size() < ClusterNode::width) {
-    const auto open = std::max_element(list.begin(), list.end(), [&](std::uint32_t a, std::uint32_t b) {
-      const auto size = [&](const Part& p) { return p.left == 0 ? 0u : p.end - p.begin; };
-      return size(build.parts[a]) < size(build.parts[b]);
-    });
-    const Part& part = build.parts[*open];
-    if (part.left == 0) break;
-    *open = part.left;
-    list.insert(open + 1, part.right);
-  }
-  const auto index = static_cast<std::uint32_t>(tree.nodes.size());
-  tree.nodes.push_back(ClusterNode{});
-  tree.nodes[index].count = static_cast<std::uint32_t>(list.size());
-  for (std::size_t k = 0; k < list.size(); ++k) {
-    const Part& part = build.parts[list[k]];
-    put(tree.nodes[index], k, part);
-    ++tree.clusters;
-    if (part.left == 0) {
-      ++tree.leaves;
-      continue;
+/// A level of clusters of `size` triangles. `costs`: T of each cluster of the level below, replaced by those of this
+/// one (19.14); empty below the leaves.
+std::vector<ClusterNode> make_level(const Build& build, std::size_t size, std::vector<double>& costs) {
+  const std::size_t clusters = (build.order.size() + size - 1) / size;
+  const ClusterCost cost{build.config.cost_test};
+  std::vector<ClusterNode> level((clusters + width - 1) / width);
+  std::vector<double> own(clusters);
+  std::vector<FacePlane> planes;
+  for (std::size_t i = 0; i < clusters; ++i) {
+    planes.clear();
+    Aabb bounds;
+    for (std::size_t place = i * size; place < std::min((i + 1) * size, build.order.size()); ++place) {
+      planes.push_back(build.planes[build.order[place]]);
+      bounds.extend(build.boxes[build.order[place]]);
     }
-    const std::uint32_t child = make_node(build, {part.left, part.right}, tree);
-    tree.nodes[index].child[k] = child;
+    const Aabb viewpoints = near_field(bounds, build.config.near_field);
+    const NormalCluster cluster =
+        build.config.origins ? best_cluster(planes, bounds, viewpoints) : make_cluster(planes, bounds.centre());
+    ClusterNode& node = level[i / width];
+    put(node, i % width, cluster);
+    node.used |= static_cast<std::uint8_t>(1u << (i % width));
+    own[i] = cost.of(culling_probability(cluster, viewpoints), static_cast<double>(planes.size()));
+    if (costs.empty()) continue;
+    const auto first = costs.begin() + static_cast<std::ptrdiff_t>(width * i);
+    const double parts = std::accumulate(first, std::min(first + width, costs.end()), 0.0);
+    if (build.config.cost_test > 0.0 && own[i] < parts)
+      node.whole |= static_cast<std::uint8_t>(1u << (i % width));
+    else
+      own[i] = parts;
   }
-  return index;
+  costs = std::move(own);
+  return level;
+}
+
+NormalCluster cluster_at(const ClusterNode& node, std::size_t k) {
+  NormalCluster cluster;
+  for (int axis = 0; axis < 3; ++axis) {
+    cluster.n[axis] = node.n[axis][k];
+    cluster.m[axis] = node.m[axis][k];
+    cluster.c[axis] = node.c[axis][k];
+  }
+  cluster.d = node.d[k];
+  cluster.front = node.front[k];
+  cluster.sharpness = node.sharpness[k];
+  return cluster;
+}
+
+/// Visits the clusters that a walk can reach, from the top: visit(level, index, is a leaf).
+template <class Visit>
+void each_cluster(const ClusterTree& tree, std::size_t level, std::size_t node, const Visit& visit) {
+  const ClusterNode& at = tree.levels[level][node];
+  for (std::size_t k = 0; k < width; ++k) {
+    if (((at.used >> k) & 1) == 0) continue;
+    const bool leaf = level == 0 || ((at.whole >> k) & 1) != 0;
+    visit(level, node * width + k, leaf);
+    if (!leaf) each_cluster(tree, level - 1, node * width + k, visit);
+  }
 }
 
 }  // namespace
@@ -225,8 +197,7 @@ ClusterTree build_cluster_tree(std::span<const glm::vec3> positions, std::span<c
                                const glm::vec3& origin, const ClusterTreeConfig& config) {
   ClusterTree tree;
   if (triangles.empty()) return tree;
-  Build build{config, {}, {}, std::vector<std::uint32_t>(triangles.size()), 0.0, 0, {}, {}};
-  std::iota(build.order.begin(), build.order.end(), 0u);
+  Build build{config, leaf_size(triangles.size(), config), {}, {}, {}, {}};
   const glm::dvec3 shift(origin);
   Aabb all;
   for (const glm::uvec3& t : triangles) {
@@ -237,26 +208,26 @@ ClusterTree build_cluster_tree(std::span<const glm::vec3> positions, std::span<c
     build.planes.push_back(face_plane(glm::dvec3(positions[t.x]) - shift, glm::dvec3(positions[t.y]) - shift,
                                       glm::dvec3(positions[t.z]) - shift));
   }
-  build.size = std::max(1e-30, static_cast<double>(glm::length(all.extent())));
-  // A whole small solid never turns its back: it needs clusters of its own scale.
-  build.leaf = static_cast<std::uint32_t>(
-      std::clamp<std::size_t>(triangles.size() / 24, 2, static_cast<std::size_t>(std::max(config.leaf, 2))));
-  if (config.leaf == 1) build.leaf = 1;
-  // Triangles without area are in clusters of their own, so that they do not spoil any.
-  const auto flat = std::stable_partition(build.order.begin(), build.order.end(),
-                                          [&](std::uint32_t t) { return build.planes[t].height > 0.0; });
-  const auto solid = static_cast<std::uint32_t>(flat - build.order.begin());
-  const auto count = static_cast<std::uint32_t>(triangles.size());
-  std::vector<std::uint32_t> top;
-  if (solid > 0) top.push_back(build_part(build, 0, solid));
-  if (solid < count) {
-    top.push_back(static_cast<std::uint32_t>(build.parts.size()));
-    Part rest{solid, count};
-    rest.cluster.sharpness = std::numeric_limits<float>::infinity();
-    build.parts.push_back(rest);
+  const double scale = config.position / std::max(1e-30, static_cast<double>(glm::length(all.extent())));
+  for (std::size_t t = 0; t < triangles.size(); ++t) {
+    const glm::vec3 n(build.planes[t].normal), p(glm::dvec3(build.boxes[t].centre()) * scale);
+    build.features.push_back({n.x, n.y, n.z, p.x, p.y, p.z});
   }
-  make_node(build, top, tree);
+  const auto count = static_cast<std::uint32_t>(triangles.size());
+  build.order.resize(count);
+  std::iota(build.order.begin(), build.order.end(), 0u);
+  const std::uint32_t thick = set_thin_apart(build);
+  part(build, 0, thick);
+  part(build, thick, count);
+  tree.leaf = build.leaf;
+  std::vector<double> costs;
+  for (std::size_t size = build.leaf; tree.levels.empty() || tree.levels.back().size() > 1; size *= width)
+    tree.levels.push_back(make_level(build, size, costs));
   tree.order = std::move(build.order);
+  each_cluster(tree, tree.levels.size() - 1, 0, [&](std::size_t, std::size_t, bool leaf) {
+    ++tree.clusters;
+    tree.leaves += leaf ? 1 : 0;
+  });
   return tree;
 }
 
@@ -265,44 +236,28 @@ void front_clusters(const ClusterTree& tree, const glm::vec4& eye, float slack, 
   HWY_DYNAMIC_DISPATCH(front_clusters_simd)(tree, eye, slack, sharpness, kept, counts);
 }
 
-namespace {
-
-NormalCluster cluster_at(const ClusterNode& node, std::size_t k) {
-  NormalCluster cluster;
-  for (int axis = 0; axis < 3; ++axis) {
-    cluster.n[axis] = node.n[axis][k];
-    cluster.m[axis] = node.m[axis][k];
-    cluster.c[axis] = node.c[axis][k];
-    cluster.axis[axis] = node.axis[axis][k];
-  }
-  cluster.d = node.d[k];
-  cluster.front = node.front[k];
-  cluster.sharpness = node.sharpness[k];
-  cluster.radius = node.radius[k];
-  return cluster;
-}
-
-}  // namespace
-
 void front_clusters_scalar(const ClusterTree& tree, const glm::vec4& eye, float slack, float sharpness,
                            std::span<std::uint64_t> kept, ClusterCounts& counts) {
   walk_clusters(tree, kept, counts, [&](const ClusterNode& node) {
-    std::uint32_t bits = 0;
-    for (std::size_t k = 0; k < ClusterNode::width; ++k) {
+    NodeSides sides{0, 0};
+    for (std::size_t k = 0; k < width; ++k) {
       const NormalCluster cluster = cluster_at(node, k);
-      if (turns_back(cluster, eye, slack + sharpness * cluster.sharpness)) bits |= 1u << k;
-      if (turns_front(cluster, eye)) bits |= 0x100u << k;
+      if (turns_back(cluster, eye, slack + sharpness * cluster.sharpness)) sides.back |= 1u << k;
+      if (turns_front(cluster, eye)) sides.front |= 1u << k;
     }
-    return bits;
+    return sides;
   });
 }
 
 std::vector<ClusterRange> leaf_clusters(const ClusterTree& tree) {
   std::vector<ClusterRange> leaves;
-  for (const ClusterNode& node : tree.nodes)
-    for (std::size_t k = 0; k < ClusterNode::width; ++k)
-      if (node.child[k] == ClusterNode::leaf && node.begin[k] < node.end[k])
-        leaves.push_back({cluster_at(node, k), node.begin[k], node.end[k]});
+  if (tree.levels.empty()) return leaves;
+  each_cluster(tree, tree.levels.size() - 1, 0, [&](std::size_t level, std::size_t i, bool leaf) {
+    if (!leaf) return;
+    const std::size_t size = std::size_t{tree.leaf} << (3 * level);
+    leaves.push_back({cluster_at(tree.levels[level][i / width], i % width), static_cast<std::uint32_t>(i * size),
+                      static_cast<std::uint32_t>(std::min((i + 1) * size, tree.order.size()))});
+  });
   return leaves;
 }
 

@@ -3,9 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <vector>
-
-#include "sightline/geometry/sphere.hpp"
 
 namespace sightline {
 namespace {
@@ -70,37 +67,6 @@ NormalCluster best_cluster(std::span<const FacePlane> planes, const Aabb& bounds
   return best;
 }
 
-void add_cone(NormalCluster& cluster, std::span<const FacePlane> planes) {
-  const glm::vec3 spread = cluster.m - cluster.n;
-  if (glm::dot(spread, spread) > 3.8f) return;
-  std::vector<glm::vec3> normals;
-  for (const FacePlane& plane : planes)
-    if (plane.height > 0.0) normals.emplace_back(plane.normal);
-  if (normals.empty()) return;
-  const glm::dvec3 centre(smallest_sphere(normals).centre);
-  if (!(glm::length(centre) > 0.1)) return;
-  const glm::dvec3 axis = glm::normalize(centre);
-  double cosine = 1.0;
-  for (const FacePlane& plane : planes)
-    if (plane.height > 0.0) cosine = std::min(cosine, glm::dot(axis, plane.normal));
-  if (!(cosine > 0.17)) return;
-  const double tangent = std::sqrt(std::max(0.0, 1.0 - cosine * cosine)) / cosine + 1e-7;
-  cluster.axis = glm::vec3(axis / cosine);
-  // Rounding of the axis and of the test, in proportion to the distance of the eye.
-  cluster.radius = above(tangent + 0x1p-20 * (1.0 / cosine + tangent + 1.0));
-}
-
-glm::dvec3 cone_apex(const NormalCluster& cluster, std::span<const FacePlane> planes, const Aabb& bounds) {
-  const glm::dvec3 centre(bounds.centre());
-  if (cluster.radius >= NormalCluster::no_cone) return centre;
-  const glm::dvec3 axis = glm::normalize(glm::dvec3(cluster.axis));
-  double back = -infinity;
-  for (const FacePlane& plane : planes)
-    if (plane.height > 0.0)
-      back = std::max(back, (glm::dot(plane.normal, centre) - plane.offset) / glm::dot(plane.normal, axis));
-  return centre - back * axis;
-}
-
 NormalCluster merge(const NormalCluster& a, const NormalCluster& b) {
   NormalCluster both = a;
   // n . (p - c_a) = n . (p - c_b) + n . (c_b - c_a), the last term bounded over the box of b's normals (E38).
@@ -110,8 +76,6 @@ NormalCluster merge(const NormalCluster& a, const NormalCluster& b) {
   both.d = std::min(a.d, below(static_cast<double>(b.d) + least));
   both.front = std::max(a.front, above(static_cast<double>(b.front) + greatest));
   both.sharpness = std::max(a.sharpness, b.sharpness);
-  both.axis = glm::vec3(0.0f);
-  both.radius = NormalCluster::no_cone;
   return both;
 }
 

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <cstdint>
 #include <glm/glm.hpp>
 #include <span>
@@ -14,19 +13,13 @@
 
 namespace sightline {
 
-/// 64 bytes: the 28 of the back test, 4 for the front test (E37), 12 for the local origin (19.08), 4 for rounding, and
-/// 16 for a second bound of the normals, the ball that touches the unit sphere where their cone does (Shirman and
-/// Abi-Ezzi 1993): n . v <= axis . v + radius |v|.
+/// 48 bytes: the 28 of the back test, 4 for the front test (E37), 12 for the local origin (19.08), 4 for rounding.
 struct NormalCluster {
   glm::vec3 n{0.0f}, m{0.0f};  // componentwise least and greatest of the unit normals (19.04)
   float d = 0.0f;              // min of n_i . (p_i - c): back test
   float front = 0.0f;          // max of n_i . (p_i - c): front test
   glm::vec3 c{0.0f};           // local origin
   float sharpness = 0.0f;      // 1 / least height of the triangles
-  glm::vec3 axis{0.0f};        // of the cone, divided by the cosine of its half angle
-  float radius = no_cone;      // tangent of the half angle
-
-  static constexpr float no_cone = 1e30f;
 };
 
 /// if(e; u, v) of 19.05: per component u where e >= 0, else v.
@@ -38,14 +31,12 @@ inline glm::vec3 octant_select(const glm::vec3& e, const glm::vec3& u, const glm
 /// 0 for the direction towards the eye of an orthographic view.
 inline bool turns_back(const NormalCluster& cluster, const glm::vec4& eye, float slack) {
   const glm::vec3 v = glm::vec3(eye) - cluster.c * eye.w;
-  const float cone = glm::dot(cluster.axis, v) + cluster.radius * std::sqrt(glm::dot(v, v));
-  return std::min(glm::dot(octant_select(v, cluster.m, cluster.n), v), cone) - cluster.d * eye.w <= -slack;
+  return glm::dot(octant_select(v, cluster.m, cluster.n), v) - cluster.d * eye.w <= -slack;
 }
 /// All triangles face the eye: if(e-c; n, m) . (e-c) - front > 0 (19.11).
 inline bool turns_front(const NormalCluster& cluster, const glm::vec4& eye) {
   const glm::vec3 v = glm::vec3(eye) - cluster.c * eye.w;
-  const float cone = glm::dot(cluster.axis, v) - cluster.radius * std::sqrt(glm::dot(v, v));
-  return std::max(glm::dot(octant_select(v, cluster.n, cluster.m), v), cone) - cluster.front * eye.w > 0.0f;
+  return glm::dot(octant_select(v, cluster.n, cluster.m), v) - cluster.front * eye.w > 0.0f;
 }
 
 /// The cluster of some planes with local origin `origin`; all bounds rounded outwards. Planes without area make it
@@ -56,15 +47,7 @@ NormalCluster make_cluster(std::span<const FacePlane> planes, const glm::vec3& o
 /// in `viewpoints` (19.08, 19.12).
 NormalCluster best_cluster(std::span<const FacePlane> planes, const Aabb& bounds, const Aabb& viewpoints);
 
-/// Adds the cone of the planes' normals, if it is narrower than about 80 degrees about its axis.
-void add_cone(NormalCluster& cluster, std::span<const FacePlane> planes);
-
-/// The point from which the cone of the normals opens: from the centre of `bounds` back along the axis until all planes
-/// have it behind them. With this local origin the cone's test is that of a cone with an apex.
-glm::dvec3 cone_apex(const NormalCluster& cluster, std::span<const FacePlane> planes, const Aabb& bounds);
-
-/// Bounds both (19.10, E38): b is brought to the local origin of a first. Looser than the cluster of all planes; has no
-/// cone.
+/// Bounds both (19.10, E38): b is brought to the local origin of a first. Looser than the cluster of all planes.
 NormalCluster merge(const NormalCluster& a, const NormalCluster& b);
 
 /// Volume of {e in box : n . e <= d}, exact up to double rounding.

@@ -27,10 +27,11 @@ std::size_t front_by_mask_simd(const std::uint8_t* byte_offset, const std::uint8
   const std::size_t lanes = hn::Lanes(d);
   std::uint8_t blocks[16];  // those with a bit set: about half of a view's mask is empty
   std::size_t used = 0;
-  for (std::size_t block = 0; block < 16; ++block)
-    if (std::any_of(mask.begin() + static_cast<std::ptrdiff_t>(16 * block),
-                    mask.begin() + static_cast<std::ptrdiff_t>(16 * block + 16), [](std::uint8_t b) { return b != 0; }))
-      blocks[used++] = static_cast<std::uint8_t>(block);
+  for (std::size_t block = 0; block < 16; ++block) {
+    std::uint64_t half[2];
+    std::memcpy(half, mask.data() + 16 * block, 16);
+    if ((half[0] | half[1]) != 0) blocks[used++] = static_cast<std::uint8_t>(block);
+  }
   const auto overflow = hn::Set(d, std::uint8_t{0x70});
   std::size_t culled_polygons = 0;
   for (std::size_t first = 0; first < count; first += 64) {
@@ -57,6 +58,46 @@ std::size_t front_by_mask_simd(const std::uint8_t* byte_offset, const std::uint8
 }
 #endif
 
+/// Per corner normal the least n . v over the directions.
+void least_products(const DirectionCube& cube, std::span<const glm::vec3> directions, std::span<float> least) {
+  const hn::CappedTag<float, 16> d;
+  const auto& [x, y, z] = cube.corners();
+  for (std::size_t i = 0; i < x.size(); i += hn::Lanes(d)) {
+    const auto nx = hn::LoadU(d, x.data() + i), ny = hn::LoadU(d, y.data() + i), nz = hn::LoadU(d, z.data() + i);
+    auto low = hn::Set(d, 2.0f);
+    for (const glm::vec3& v : directions) {
+      const auto product =
+          hn::Add(hn::Add(hn::Mul(nx, hn::Set(d, v.x)), hn::Mul(ny, hn::Set(d, v.y))), hn::Mul(nz, hn::Set(d, v.z)));
+      low = hn::Min(low, product);
+    }
+    hn::StoreU(low, d, least.data() + i);
+  }
+}
+
+void back_mask_simd(const DirectionCube& cube, std::span<const glm::vec3> directions, float margin, BackMask& mask) {
+  constexpr std::size_t most = 6 * 19 * 19 + 32;
+  std::array<float, most> least{};  // more than the corners: loads run over their end
+  least_products(cube, directions, least);
+  const hn::CappedTag<float, 16> d;
+  const std::size_t lanes = hn::Lanes(d), n = static_cast<std::size_t>(cube.n()), across = n + 1;
+  mask.fill(0);
+  std::size_t first = 0;  // class
+  for (std::size_t face = 0; face < 6; ++face)
+    for (std::size_t row = 0; row < n; ++row, first += n) {
+      const float* const low = least.data() + (face * across + row) * across;
+      std::uint32_t bits = 0;
+      for (std::size_t k = 0; k < n; k += lanes) {
+        const auto left = hn::Min(hn::LoadU(d, low + k), hn::LoadU(d, low + across + k));
+        const auto right = hn::Min(hn::LoadU(d, low + k + 1), hn::LoadU(d, low + across + k + 1));
+        std::uint8_t bytes[8] = {};
+        hn::StoreMaskBits(d, hn::Ge(hn::Min(left, right), hn::Set(d, margin)), bytes);
+        bits |= static_cast<std::uint32_t>(bytes[0] | (bytes[1] << 8)) << k;
+      }
+      bits = (bits & ((1u << n) - 1u)) << (first & 7);  // 18 + 7 bits at most
+      for (std::size_t byte = first >> 3; bits != 0; ++byte, bits >>= 8) mask[byte] |= static_cast<std::uint8_t>(bits);
+    }
+}
+
 }  // namespace sightline::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 
@@ -64,6 +105,7 @@ HWY_AFTER_NAMESPACE();
 namespace sightline {
 
 HWY_EXPORT(front_by_mask_simd);
+HWY_EXPORT(back_mask_simd);
 
 namespace {
 
@@ -81,8 +123,11 @@ glm::dvec3 on_face(int face, double u, double v) {
 DirectionCube::DirectionCube(int n) : n_(n) {
   for (int face = 0; face < 6; ++face)
     for (int row = 0; row <= n; ++row)
-      for (int column = 0; column <= n; ++column)
-        corners_.emplace_back(glm::normalize(on_face(face, 2.0 * column / n - 1.0, 2.0 * row / n - 1.0)));
+      for (int column = 0; column <= n; ++column) {
+        const glm::vec3 corner(glm::normalize(on_face(face, 2.0 * column / n - 1.0, 2.0 * row / n - 1.0)));
+        for (int axis = 0; axis < 3; ++axis) corners_[static_cast<std::size_t>(axis)].push_back(corner[axis]);
+      }
+  for (std::vector<float>& coordinate : corners_) coordinate.resize((coordinate.size() + 15) / 16 * 16);
 }
 
 int DirectionCube::class_of(const glm::dvec3& direction) const {
@@ -95,52 +140,10 @@ int DirectionCube::class_of(const glm::dvec3& direction) const {
   return (face * n_ + cell(direction[(axis + 2) % 3])) * n_ + cell(direction[(axis + 1) % 3]);
 }
 
-namespace {
-
-/// Per corner normal the least n . v over the directions of one sector.
-void least_products(std::span<const glm::vec3> normals, std::span<const glm::vec3> directions,
-                    std::vector<float>& least) {
-  for (std::size_t i = 0; i < normals.size(); ++i) {
-    float low = glm::dot(normals[i], directions[0]);
-    for (std::size_t k = 1; k < directions.size(); ++k) low = std::min(low, glm::dot(normals[i], directions[k]));
-    least[i] = low;
-  }
-}
-
-void set_classes(const DirectionCube& cube, const std::vector<float>& least, float margin, BackMask& mask) {
-  const auto n = static_cast<std::size_t>(cube.n()), across = n + 1;
-  mask.fill(0);
-  std::size_t normal_class = 0;
-  for (std::size_t face = 0; face < 6; ++face)
-    for (std::size_t row = 0; row < n; ++row) {
-      const float* low = least.data() + (face * across + row) * across;
-      for (std::size_t column = 0; column < n; ++column, ++low, ++normal_class) {
-        const bool back = std::min(std::min(low[0], low[1]), std::min(low[across], low[across + 1])) >= margin;
-        mask[normal_class >> 3] |= static_cast<std::uint8_t>((back ? 1 : 0) << (normal_class & 7));
-      }
-    }
-}
-
-}  // namespace
-
-void back_masks(const DirectionCube& cube, std::span<const glm::vec3> directions, int sectors, float margin,
-                std::span<BackMask> masks) {
-  std::vector<float> least(cube.corners().size());
-  if (directions.size() == 1) {
-    least_products(cube.corners(), directions, least);
-    set_classes(cube, least, margin, masks[0]);
-    return;
-  }
-  const auto across = static_cast<std::size_t>(sectors) + 1;
-  std::size_t sector = 0;
-  for (std::size_t row = 0; row + 1 < across; ++row)
-    for (std::size_t column = 0; column + 1 < across; ++column, ++sector) {
-      const std::size_t at = row * across + column;
-      const std::array<glm::vec3, 4> four{directions[at], directions[at + 1], directions[at + across],
-                                          directions[at + across + 1]};
-      least_products(cube.corners(), four, least);
-      set_classes(cube, least, margin, masks[sector]);
-    }
+BackMask back_mask(const DirectionCube& cube, std::span<const glm::vec3> directions, float margin) {
+  BackMask mask;
+  HWY_DYNAMIC_DISPATCH(back_mask_simd)(cube, directions, margin, mask);
+  return mask;
 }
 
 std::size_t front_by_mask(const std::uint8_t* byte_offset, const std::uint8_t* bit_mask, std::size_t count,

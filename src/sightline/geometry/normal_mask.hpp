@@ -20,12 +20,13 @@ class DirectionCube {
   [[nodiscard]] int classes() const { return 6 * n_ * n_; }
   /// Class of a direction of any length but 0.
   [[nodiscard]] int class_of(const glm::dvec3& direction) const;
-  /// Unit directions of the corners of all squares: ((face * (n + 1) + row) * (n + 1) + column).
-  [[nodiscard]] std::span<const glm::vec3> corners() const { return corners_; }
+  /// Coordinates of the unit directions of the corners of all squares, at (face * (n + 1) + row) * (n + 1) + column;
+  /// padded with 0 for vectors of 16.
+  [[nodiscard]] const std::array<std::vector<float>, 3>& corners() const { return corners_; }
 
  private:
   int n_;
-  std::vector<glm::vec3> corners_;
+  std::array<std::vector<float>, 3> corners_;
 };
 
 /// What a polygon keeps (18.04). A mask of 0 is never culled.
@@ -39,13 +40,11 @@ inline PolygonNormalMask polygon_normal_mask(int normal_class) {
 /// BackMask[byteOffset] & bitMask != 0: culled (18.08).
 using BackMask = std::array<std::uint8_t, 256>;
 
-/// Masks for the image cut into sectors x sectors parts, row by row from the top (18.06, 18.07, 18.09). `directions`:
-/// the (sectors + 1)^2 unit directions from the eye through the corners of the parts, row by row; a single one for an
-/// orthographic view (then there is one mask, 18.05). A class is set if n . v >= margin for all unit normals n of the
-/// class and unit directions v of the part: 4 corner normals x 4 corner directions decide. margin > 1e-6 covers
-/// rounding.
-void back_masks(const DirectionCube& cube, std::span<const glm::vec3> directions, int sectors, float margin,
-                std::span<BackMask> masks);
+/// The mask for a part of the image (18.06, 18.07, 18.09). `directions`: the unit directions from the eye through its
+/// four corners; a single one for an orthographic view (18.05). A class is set if n . v >= margin for all unit normals
+/// n of the class and unit directions v of the part: 4 corner normals x 4 corner directions decide. margin > 1e-6
+/// covers rounding.
+BackMask back_mask(const DirectionCube& cube, std::span<const glm::vec3> directions, float margin);
 
 /// Bit i of `kept` is set unless polygon i of the arrays is culled by the mask. Arrays are padded to a multiple of 64.
 /// Returns how many bits are clear.

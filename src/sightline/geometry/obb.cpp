@@ -5,30 +5,10 @@
 #include <limits>
 #include <vector>
 
+#include "sightline/geometry/pca.hpp"
+
 namespace sightline {
 namespace {
-
-/// Eigenvectors of a symmetric matrix as columns, by Jacobi rotations. To be replaced by geometry/pca.
-glm::dmat3 eigenvectors(glm::dmat3 a) {
-  glm::dmat3 vectors(1.0);
-  for (int sweep = 0; sweep < 60; ++sweep) {
-    int p = 0, q = 1;
-    if (std::abs(a[2][0]) > std::abs(a[q][p])) q = 2;
-    if (std::abs(a[2][1]) > std::abs(a[q][p])) {
-      p = 1;
-      q = 2;
-    }
-    if (!(std::abs(a[q][p]) > 1e-30) || !std::isfinite(a[q][p])) break;
-    const double angle = 0.5 * std::atan2(2.0 * a[q][p], a[p][p] - a[q][q]);
-    glm::dmat3 turn(1.0);
-    turn[p][p] = turn[q][q] = std::cos(angle);
-    turn[p][q] = std::sin(angle);
-    turn[q][p] = -std::sin(angle);
-    a = glm::transpose(turn) * a * turn;
-    vectors = vectors * turn;
-  }
-  return vectors;
-}
 
 double half_area(const Obb& box) {
   const glm::dvec3 r(box.radii);
@@ -93,18 +73,7 @@ Obb box_along(std::span<const glm::vec3> points, const glm::dmat3& axes) {
   return box;
 }
 
-Obb pca_box(std::span<const glm::vec3> points) {
-  if (points.empty()) return {};
-  glm::dvec3 mean(0.0);
-  for (const glm::vec3& p : points) mean += glm::dvec3(p);
-  mean /= static_cast<double>(points.size());
-  glm::dmat3 covariance(0.0);
-  for (const glm::vec3& p : points) {
-    const glm::dvec3 q = glm::dvec3(p) - mean;
-    covariance += glm::outerProduct(q, q);
-  }
-  return box_along(points, eigenvectors(covariance / std::max(1.0, static_cast<double>(points.size()) - 1.0)));
-}
+Obb pca_box(std::span<const glm::vec3> points) { return box_along(points, principal_axes(points).axes); }
 
 Obb fitted_box(const ConvexHull& hull) {
   Obb best = box_along(hull.vertices, glm::dmat3(1.0));

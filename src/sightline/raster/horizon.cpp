@@ -3,7 +3,36 @@
 #include <algorithm>
 #include <cmath>
 
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "sightline/raster/horizon.cpp"
+#include <hwy/foreach_target.h>
+#include <hwy/highway.h>
+
+HWY_BEFORE_NAMESPACE();
+namespace sightline::HWY_NAMESPACE {
+
+namespace hn = hwy::HWY_NAMESPACE;
+
+/// True if every one of `count` intervals of slopes holds [low, high]. Both arrays are padded by 8.
+bool all_hold(const float* lows, const float* highs, std::size_t count, float low, float high) {
+  const hn::CappedTag<float, 8> d;
+  const auto l = hn::Set(d, low), h = hn::Set(d, high);
+  const std::size_t lanes = hn::Lanes(d);
+  for (std::size_t c = 0; c < count; c += lanes) {
+    const auto open = hn::Or(hn::Gt(hn::LoadU(d, lows + c), l), hn::Lt(hn::LoadU(d, highs + c), h));
+    if (!hn::AllFalse(d, hn::And(open, hn::FirstN(d, count - c)))) return false;
+  }
+  return true;
+}
+
+}  // namespace sightline::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
 namespace sightline {
+
+HWY_EXPORT(all_hold);
+
 namespace {
 
 constexpr double widest = 8;       // columns end where a direction is 83 degrees off the plan direction
@@ -42,8 +71,9 @@ bool Horizon::begin(const View& view, int columns) {
   limit_ *= 1 + 1e-9;
   if (!(limit_ > 0)) return false;
   per_u_ = columns / (2 * limit_);
-  low_.assign(static_cast<std::size_t>(columns), 3e38f);
-  high_.assign(static_cast<std::size_t>(columns), -3e38f);
+  columns_ = columns;
+  low_.assign(static_cast<std::size_t>(columns) + 8, 3e38f);
+  high_.assign(static_cast<std::size_t>(columns) + 8, -3e38f);
   return true;
 }
 
@@ -79,23 +109,22 @@ HorizonBox Horizon::project(const Aabb& box) const {
   return b;
 }
 
-bool Horizon::hides(const HorizonBox& box, std::uint64_t& cells) const {
-  if (!box.askable) return false;
-  if (open_sides_ && (box.u0 < -limit_ || box.u1 > limit_)) return false;
+HorizonQuery Horizon::query(const HorizonBox& box) const {
+  if (!box.askable) return {};
+  if (open_sides_ && (box.u0 < -limit_ || box.u1 > limit_)) return {};
   const double spread = share * (std::abs(box.u0) + std::abs(box.u1) + 1e-3 * limit_);
   const double most = static_cast<double>(columns());
-  const auto first = static_cast<std::size_t>(std::clamp((box.u0 - spread + limit_) * per_u_, 0.0, most - 1));
-  const auto last = static_cast<std::size_t>(std::clamp((box.u1 + spread + limit_) * per_u_, 0.0, most - 1));
-  const auto low = static_cast<float>(box.v0), high = static_cast<float>(box.v1);
-  const float* const lows = low_.data();
-  const float* const highs = high_.data();
-  for (std::size_t c = first; c <= last; ++c)
-    if (lows[c] > low || highs[c] < high) {
-      cells += c - first + 1;
-      return false;
-    }
-  cells += last - first + 1;
-  return true;
+  return {static_cast<std::uint16_t>(std::clamp((box.u0 - spread + limit_) * per_u_, 0.0, most - 1)),
+          static_cast<std::uint16_t>(std::clamp((box.u1 + spread + limit_) * per_u_, 0.0, most - 1)),
+          static_cast<float>(box.v0), static_cast<float>(box.v1)};
+}
+
+bool Horizon::hides(const HorizonQuery& query, std::uint64_t& cells) const {
+  if (query.first > query.last) return false;
+  const std::size_t count = std::size_t{query.last} - query.first + 1;
+  cells += count;
+  return HWY_DYNAMIC_DISPATCH(all_hold)(low_.data() + query.first, high_.data() + query.first, count, query.low,
+                                        query.high);
 }
 
 Horizon::Point Horizon::point(const glm::dvec2& plan, double y0, double y1) const {
@@ -131,7 +160,11 @@ void Horizon::add(const WallFence& fence, const glm::dvec3& offset, double slack
 void Horizon::add_run(std::span<const Point> run, double y0, double y1, double slack) {
   const bool rising = run.back().u > run.front().u;
   const auto at = [&](std::size_t i) -> const Point& { return rising ? run[i] : run[run.size() - 1 - i]; };
-  const double z_max = std::max_element(run.begin(), run.end(), [](auto& a, auto& b) { return a.z < b.z; })->z;
+  double z_min = run.front().z, z_max = z_min;
+  for (const Point& p : run) {
+    z_min = std::min(z_min, p.z);
+    z_max = std::max(z_max, p.z);
+  }
   // The real walls end and stand up to `slack` aside, which looks this large.
   const double aside = perspective_ ? (slack + 1e-7 * reach_) * z_max : slack + 1e-7 * reach_;
   const double u0 = at(0).u + 4 * aside * (1 + std::abs(at(0).u)),
@@ -140,13 +173,25 @@ void Horizon::add_run(std::span<const Point> run, double y0, double y1, double s
   const double from = std::clamp(std::ceil((u0 + limit_) * per_u_ + share), 0.0, most);
   const double to = std::clamp(std::floor((u1 + limit_) * per_u_ - share), 0.0, most);
   if (!(from < to)) return;
-  std::size_t piece = 0;  // the wall from at(piece) to at(piece + 1) holds the border
+  // The far walls of a house: nothing that nearer ones do not hide already.
+  std::uint64_t cells = 0;
+  if (hides({static_cast<std::uint16_t>(from), static_cast<std::uint16_t>(to - 1),
+             static_cast<float>(std::min(slope(y0, z_min), slope(y0, z_max))),
+             static_cast<float>(std::max(slope(y1, z_min), slope(y1, z_max)))},
+            cells))
+    return;
   const auto last = static_cast<int>(to);
-  const auto z_at = [&](double u) {
-    while (piece + 2 < run.size() && at(piece + 1).u < u) ++piece;
+  std::size_t piece = 0;  // the wall from at(piece) to at(piece + 1) holds the border
+  double z_per_u = 0;     // of the piece
+  const auto take_piece = [&] {
     const Point &a = at(piece), &b = at(piece + 1);
-    const double t = b.u > a.u ? std::clamp((u - a.u) / (b.u - a.u), 0.0, 1.0) : 1.0;
-    return a.z + t * (b.z - a.z);
+    z_per_u = b.u > a.u ? (b.z - a.z) / (b.u - a.u) : 0.0;
+  };
+  take_piece();
+  const auto z_at = [&](double u) {
+    for (; piece + 2 < run.size() && at(piece + 1).u < u; take_piece()) ++piece;
+    const Point &a = at(piece), &b = at(piece + 1);
+    return u >= b.u ? b.z : a.z + std::max(0.0, u - a.u) * z_per_u;
   };
   double left = z_at(border(static_cast<int>(from)));
   for (int c = static_cast<int>(from); c < last; ++c) {
@@ -186,3 +231,4 @@ void Horizon::merge(int column, double low, double high) {
 }
 
 }  // namespace sightline
+#endif

@@ -19,21 +19,29 @@ struct HorizonBox {
   bool askable;              // wholly before the eye's plan line, so that the other fields mean something
 };
 
+/// What hiding a box takes: that the columns first to last hide the slopes low to high. first > last: nothing hides it.
+struct HorizonQuery {
+  std::uint16_t first = 1, last = 0;
+  float low = 0, high = 0;
+};
+
 class Horizon {
  public:
-  /// Starts a view with nothing hidden; at most `columns` columns over what the view can see. False if the view looks
-  /// so steeply that it has no horizon; then nothing may be added or asked.
+  /// Starts a view with nothing hidden; at most `columns` columns (up to 65535) over what the view can see. False if
+  /// the view looks so steeply that it has no horizon; then nothing may be added or asked.
   bool begin(const View& view, int columns);
 
   [[nodiscard]] HorizonBox project(const Aabb& box) const;
-  /// True if the box is hidden by fences added so far, all of which must lie nearer than box.nearest.
-  [[nodiscard]] bool hides(const HorizonBox& box, std::uint64_t& cells) const;
+  [[nodiscard]] HorizonQuery query(const HorizonBox& box) const;
+  /// True if the box of the query is hidden by fences added so far, all of which must lie nearer than its nearest
+  /// point.
+  [[nodiscard]] bool hides(const HorizonQuery& query, std::uint64_t& cells) const;
 
   /// Adds a fence moved by `offset`. Rectangles that reach before the near plane or behind the eye are left out.
   /// `slack`: metres by which the real walls may differ.
   void add(const WallFence& fence, const glm::dvec3& offset, double slack);
 
-  [[nodiscard]] int columns() const { return static_cast<int>(low_.size()); }
+  [[nodiscard]] int columns() const { return columns_; }
   /// The hidden interval of slopes of a column; empty (low > high) where nothing is hidden. Slope: height over the eye
   /// per metre of plan distance; for orthographic views height over the ray through the eye.
   [[nodiscard]] float low(int column) const { return low_[static_cast<std::size_t>(column)]; }
@@ -57,7 +65,8 @@ class Horizon {
   glm::dvec2 forward_{0.0}, right_{0.0};
   double tilt_ = 0, near_ = 0, limit_ = 1, per_u_ = 1, reach_ = 0;
   bool perspective_ = true, open_sides_ = false;
-  std::vector<float> low_, high_;
+  int columns_ = 0;
+  std::vector<float> low_, high_;  // by column, padded
   std::vector<Point> points_;
 };
 

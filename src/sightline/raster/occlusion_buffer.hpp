@@ -9,6 +9,7 @@
 #include <span>
 
 #include "sightline/geometry/affine.hpp"
+#include "sightline/geometry/sphere.hpp"
 #include "sightline/raster/occluder_mesh.hpp"
 #include "sightline/scene/view.hpp"
 
@@ -33,11 +34,6 @@ struct OccluderInstance {
 struct OrientedBox {
   Affine transform = identity_affine();
   Aabb bounds;
-};
-
-struct Sphere {
-  glm::vec3 centre{0.0f};
-  float radius = 0.0f;
 };
 
 /// Between begin() and the next begin() occluders are added and questions asked, in any order; what is added later only
