@@ -186,13 +186,17 @@ class Chcpp final : public Method {
     begin_questions();
     for (const std::uint32_t n : singles_) add_question({&n, 1}, false);
     singles_.clear();
-    std::stable_sort(hidden_.begin(), hidden_.end(),
-                     [&](std::uint32_t a, std::uint32_t b) { return keep(a) > keep(b); });
-    std::vector<MultiqueryCandidate> candidates;
-    for (const std::uint32_t n : hidden_) candidates.push_back({keep(n), static_cast<double>(state_[n].triangles)});
+    std::vector<std::pair<double, std::uint32_t>> sorted;
+    for (const std::uint32_t n : hidden_) sorted.emplace_back(keep(n), n);
+    std::stable_sort(sorted.begin(), sorted.end(), [](const auto& a, const auto& b) { return a.first > b.first; });
+    candidates_.clear();
+    for (std::size_t i = 0; i < sorted.size(); ++i) {
+      hidden_[i] = sorted[i].second;
+      candidates_.push_back({sorted[i].first, static_cast<double>(state_[hidden_[i]].triangles)});
+    }
     for (std::size_t i = 0; i < hidden_.size();) {
       const std::size_t size =
-          config_.multiqueries ? multiquery_size(std::span(candidates).subspan(i), config_.multiquery) : 1;
+          config_.multiqueries ? multiquery_size(std::span(candidates_).subspan(i), config_.multiquery) : 1;
       add_question(std::span(hidden_).subspan(i, size), false);
       i += size;
     }
@@ -362,6 +366,7 @@ class Chcpp final : public Method {
   std::size_t waiting_ = 0;      // those of pending_ whose answers this frame needs
   std::vector<Aabb> boxes_;
   std::vector<OcclusionQueries::Ask> asks_;
+  std::vector<MultiqueryCandidate> candidates_;
   std::vector<Pending> new_pending_;
   std::vector<unsigned> names_;
 };

@@ -26,11 +26,11 @@ class DeviceCulling : public Method {
           "OpenGL has no GL_ARB_indirect_parameters, which draws as many objects as the device has counted");
     find_groups();
     const std::size_t objects = drawing.scene().objects().size();
-    seen_ = make_buffer(std::vector<std::uint32_t>(objects + groups_.size(), 1u));  // nothing is known: all of it
+    seen_ = make_buffer((objects + groups_.size()) * sizeof(std::uint32_t));
     drawn_first_ = make_buffer(objects * sizeof(std::uint32_t));
     commands_ = make_buffer(2 * objects * sizeof(DrawCommand));
     counts_ = make_buffer(std::vector<std::uint32_t>(count_words));
-    const std::string head = std::string(SceneDrawing::frame_block()) + buffers_glsl;
+    const std::string head = SceneDrawing::frame_block() + buffers_glsl;
     first_ = make_compute_program(head + first_glsl);
   }
 
@@ -39,14 +39,12 @@ class DeviceCulling : public Method {
     ids = drawn_;
   }
 
-  void reset() override {
-    const std::vector<std::uint32_t> all(drawing_.scene().objects().size() + groups_.size(), 1u);
-    glNamedBufferSubData(seen_.name(), 0, static_cast<GLsizeiptr>(all.size() * sizeof(std::uint32_t)), all.data());
-  }
+  void reset() override { known_ = false; }
 
  protected:
   void render() override {
     bring_up_to_date();
+    if (!known_) suppose_seen();
     const std::uint32_t zero[count_words] = {0, 0, 0, 0, 14, 0, 0, 0, 14};  // two indirect draws of a strip of 14
     glNamedBufferSubData(counts_.name(), 0, sizeof zero, zero);
     bind();
@@ -129,6 +127,16 @@ class DeviceCulling : public Method {
                          items_.data());
   }
 
+  /// Without an earlier frame the objects nearest to the eye are taken for seen, to have occluders at all.
+  void suppose_seen() {
+    known_ = true;
+    std::vector<Placed> found;
+    objects_in_frustum(drawing_, candidates(), true, found);
+    std::vector<std::uint32_t> seen(object_count() + group_count());
+    for (std::size_t i = 0; i < found.size() / 8; ++i) seen[found[i].id] = 1;
+    glNamedBufferSubData(seen_.name(), 0, static_cast<GLsizeiptr>(seen.size() * sizeof(std::uint32_t)), seen.data());
+  }
+
   /// What the frame drew, read after it.
   void read_drawn() {
     counted_ = true;
@@ -153,7 +161,7 @@ class DeviceCulling : public Method {
   std::vector<std::uint32_t> nodes_, items_;
   std::vector<Group> groups_;
   std::uint64_t revision_ = 0;
-  bool items_masked_ = false, counted_ = true;
+  bool items_masked_ = false, counted_ = true, known_ = false;
   Buffer groups_buffer_, items_buffer_, seen_, drawn_first_, commands_, counts_;
   Program first_;
 };
@@ -219,7 +227,7 @@ class Hzb final : public DeviceCulling {
 class Raster final : public DeviceCulling {
  public:
   explicit Raster(SceneDrawing& drawing) : DeviceCulling(drawing) {
-    const std::string head = std::string(SceneDrawing::frame_block()) + buffers_glsl;
+    const std::string head = SceneDrawing::frame_block() + buffers_glsl;
     boxes_ = make_compute_program(head + boxes_glsl);
     newly_ = make_compute_program(head + newly_glsl);
     draw_boxes_ = make_program(head + box_vertex_glsl, box_fragment_glsl);

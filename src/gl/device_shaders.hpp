@@ -28,16 +28,11 @@ bool outside(vec3 lo, vec3 hi) {
   return false;
 }
 
-float widening_of(vec3 lo, vec3 hi) {
-  vec3 reach = max(abs(lo), abs(hi));
-  return 1e-6 * max(reach.x, max(reach.y, reach.z));
-}
-
 /// The eye may be in the box, or the near plane may cut it.
 bool near_or_inside(vec3 lo, vec3 hi) {
   vec3 half_extent = 0.5 * (hi - lo), centre = 0.5 * (lo + hi) - frame.eye.xyz;
   float nearest = dot(frame.forward.xyz, centre) - dot(abs(frame.forward.xyz), half_extent);
-  float slack = 4.0 * (frame.eye.w * frame.forward.w + widening_of(lo, hi) + 1e-6 * length(frame.eye.xyz));
+  float slack = 4.0 * (frame.eye.w * frame.forward.w + rounding_of(lo, hi) + 1e-6 * length(frame.eye.xyz));
   return nearest <= frame.forward.w + slack + 2.0 * frame.eye.w * (frame.size.w == 1 ? abs(nearest) : 1.0);
 }
 
@@ -95,14 +90,10 @@ bool covered(ivec2 from, ivec2 to, int level, float nearest) {
 /// True if every pixel that the widened box may touch has something nearer than the nearest point of the box.
 bool hidden(vec3 lo, vec3 hi) {
   if (near_or_inside(lo, hi)) return false;
-  float extra = widening_of(lo, hi), nearest = 0.0;
+  float nearest = 0.0;
   vec2 from = vec2(1e30), to = vec2(-1e30);
-  mat4 clip = frame.clip;
   for (int i = 0; i < 8; ++i) {
-    vec3 corner = vec3(i & 1, (i >> 1) & 1, (i >> 2) & 1);
-    vec3 p = mix(lo, hi, corner) - frame.eye.xyz;
-    float w = dot(vec4(clip[0].w, clip[1].w, clip[2].w, clip[3].w), vec4(p, 1.0));
-    vec4 q = clip * vec4(p + (2.0 * corner - 1.0) * (frame.eye.w * abs(w) + extra), 1.0);
+    vec4 q = asked_corner(lo, hi, vec3(i & 1, (i >> 1) & 1, (i >> 2) & 1));
     vec3 ndc = q.xyz / q.w;
     from = min(from, ndc.xy);
     to = max(to, ndc.xy);
@@ -180,10 +171,7 @@ void main() {
   vec3 lo = mode == 0 ? groups[which].lo.xyz : bounds[2u * which].xyz;
   vec3 hi = mode == 0 ? groups[which].hi.xyz : bounds[2u * which + 1u].xyz;
   flag = mode == 0 ? uint(bounds.length() / 2) + which : which;
-  vec3 p = mix(lo, hi, corner) - frame.eye.xyz;
-  float w = (frame.clip * vec4(p, 1.0)).w;
-  float wide = frame.eye.w * abs(w) + widening_of(lo, hi);
-  gl_Position = frame.clip * vec4(p + (2.0 * corner - 1.0) * wide, 1.0);
+  gl_Position = asked_corner(lo, hi, corner);
 }
 )";
 
@@ -194,7 +182,7 @@ flat in uint flag;
 void main() { if (seen[flag] == 0u) seen[flag] = 1u; }
 )";
 
-/// After the boxes: what is seen and not yet drawn. Where phase one drew nothing, nothing can be hidden.
+/// After the boxes: what is seen and not yet drawn.
 inline constexpr char newly_glsl[] = R"(
 layout(local_size_x = 64) in;
 void main() {
@@ -202,7 +190,6 @@ void main() {
   if (gl_LocalInvocationID.x >= group.range.y) return;
   uint item = items[group.range.x + gl_LocalInvocationID.x];
   uint id = item & ~no_candidate;
-  if (counts[0] == 0u && item < no_candidate && !outside(bounds[2u * id].xyz, bounds[2u * id + 1u].xyz)) seen[id] = 1u;
   if (seen[id] != 0u && drawn[id] == 0u) append(1u, id);
 }
 )";
