@@ -1,7 +1,9 @@
 // bench_gl [--scene SCENE] [--frames N] [--size WxH] [--methods A,B] [--check N] [--check-only] [--path stress]:
 // culling through OpenGL. Processor time of the whole process per frame (on llvmpipe that is drawing and all), medians
-// over a walk, every method in turn on each view; queries, state changes, waits and triangles beside it. Every method
-// is checked first: a picture that differs from that of drawing everything ends the program with 1.
+// over a walk, every method in turn on each view, and medians of the frames' ratios; of it the part that is not
+// drawing: what remains when the time to draw the same objects untold is taken away; queries, state changes, waits and
+// triangles beside it. Every method is checked first: a picture that differs from that of drawing everything ends the
+// program with 1.
 #include <algorithm>
 #include <cstdio>
 #include <cstdlib>
@@ -76,8 +78,17 @@ struct Row {
   std::string name;
   std::unique_ptr<gl::Method> method;
   gl::Work work;
-  std::vector<double> milliseconds;
+  std::vector<double> milliseconds, deciding;
 };
+
+template <class Action>
+double milliseconds_of(const Action& action) {
+  glFinish();
+  const double start = process_seconds();
+  action();
+  glFinish();
+  return 1e3 * (process_seconds() - start);
+}
 
 /// The number of frames in which some method's picture is wrong.
 int check(gl::SceneDrawing& drawing, const std::vector<std::string>& names, const CameraPath& path, int frames) {
@@ -107,31 +118,42 @@ void time_all(gl::SceneDrawing& drawing, std::vector<Row>& rows, const CameraPat
     for (Row& row : rows) {
       drawing.set_work(&row.work);
       row.method->prepare(view, nullptr);
-      glFinish();
-      const double start = process_seconds();
-      row.method->frame(view, target);
-      glFinish();
-      row.milliseconds.push_back(1e3 * (process_seconds() - start));
+      row.milliseconds.push_back(milliseconds_of([&] { row.method->frame(view, target); }));
       row.method->drawn(drawn);  // methods on the device count what they drew when they are asked
+      if (row.work.queries == 0) continue;
+      drawing.set_work(nullptr);
+      row.deciding.push_back(row.milliseconds.back() - milliseconds_of([&] {
+                               drawing.begin(view, target);
+                               drawing.draw(drawn);
+                             }));
     }
   drawing.set_work(nullptr);
 }
 
-double median_of(const std::vector<Row>& rows, const char* name) {
+const Row* find_row(const std::vector<Row>& rows, const char* name) {
   for (const Row& row : rows)
-    if (row.name == name) return median(row.milliseconds);
-  return 0.0;
+    if (row.name == name) return &row;
+  return nullptr;
+}
+
+/// Median over the frames of a / b, frame by frame: walks have cheap and expensive stretches, and the medians of two
+/// methods may lie in different ones. 0 without one of them.
+double median_ratio(const Row* a, const Row* b) {
+  if (a == nullptr || b == nullptr) return 0.0;
+  std::vector<double> ratios;
+  for (std::size_t i = 0; i < a->milliseconds.size(); ++i) ratios.push_back(a->milliseconds[i] / b->milliseconds[i]);
+  return median(ratios);
 }
 
 void print(const std::vector<Row>& rows, std::size_t frames) {
-  const double frustum = median_of(rows, "gl_frustum"), optimal = median_of(rows, "gl_optimal");
-  std::printf("%-40s %9s %9s %9s %8s %8s %8s %7s %7s %8s %10s\n", "method", "CPU ms", "frustum/", "/optimal", "queries",
-              "multi", "boxes", "switch", "waits", "objects", "triangles");
+  const Row *frustum = find_row(rows, "gl_frustum"), *optimal = find_row(rows, "gl_optimal");
+  std::printf("%-40s %9s %9s %9s %9s %8s %8s %8s %7s %7s %8s %10s\n", "method", "CPU ms", "deciding", "frustum/",
+              "/optimal", "queries", "multi", "boxes", "switch", "waits", "objects", "triangles");
   for (const Row& row : rows) {
-    const double ms = median(row.milliseconds);
     const auto per_frame = [&](std::uint64_t n) { return static_cast<double>(n) / static_cast<double>(frames); };
-    std::printf("%-40s %9.2f %9.2f %9.2f %8.1f %8.1f %8.1f %7.1f %7.1f %8.1f %10.0f\n", row.name.c_str(), ms,
-                frustum / ms, ms / optimal, per_frame(row.work.queries), per_frame(row.work.multiqueries),
+    std::printf("%-40s %9.2f %9.2f %9.2f %9.2f %8.1f %8.1f %8.1f %7.1f %7.1f %8.1f %10.0f\n", row.name.c_str(),
+                median(row.milliseconds), median(row.deciding), median_ratio(frustum, &row),
+                median_ratio(&row, optimal), per_frame(row.work.queries), per_frame(row.work.multiqueries),
                 per_frame(row.work.query_boxes), per_frame(row.work.state_changes), per_frame(row.work.blocking_waits),
                 per_frame(row.work.objects), per_frame(row.work.triangles));
   }
@@ -148,7 +170,8 @@ int measure(gl::Context& context, const std::string& name, const Options& option
               std::min(options.check, options.frames), options.methods.size());
   if (options.check_only) return 0;
   std::vector<Row> rows;
-  for (const std::string& method : options.methods) rows.push_back({method, gl::make_method(method, drawing), {}, {}});
+  for (const std::string& method : options.methods)
+    rows.push_back({method, gl::make_method(method, drawing), {}, {}, {}});
   time_all(drawing, rows, path);
   print(rows, path.views.size());
   return 0;

@@ -30,17 +30,22 @@ std::shared_ptr<gl::SceneDrawing> gl_drawing(const Scene& scene) {
   return drawing;
 }
 
+template <class Action>
+void as_unavailable(const Action& action) {
+  try {
+    action();
+  } catch (const gl::Unavailable& error) {
+    throw MethodUnavailable(error.what());
+  }
+}
+
 /// A culler that ends with MethodUnavailable where the device goes away in mid-work.
 class GlCuller final : public Culler {
  public:
   GlCuller(std::string_view text, const Scene& scene) : inner_(gl_drawing(scene), text) {}
   ~GlCuller() override { inner_.drawing().context().make_current(); }
   void cull(const View& view, const VisibleSet& candidates, VisibleSet& visible, Counters& counters) override {
-    try {
-      inner_.cull(view, candidates, visible, counters);
-    } catch (const gl::Unavailable& error) {
-      throw MethodUnavailable(error.what());
-    }
+    as_unavailable([&] { inner_.cull(view, candidates, visible, counters); });
   }
   void reset() override { inner_.reset(); }
   /// What OpenGL shows when every object is drawn.
@@ -48,10 +53,13 @@ class GlCuller final : public Culler {
     gl::SceneDrawing& drawing = inner_.drawing();
     drawing.context().make_current();
     const std::size_t objects = drawing.scene().objects().size();
-    drawing.begin(view, whole_);
-    drawing.draw(VisibleSet::all(objects).order());
     std::vector<std::uint32_t> ids;
-    whole_.read_ids(ids);
+    as_unavailable([&] {
+      drawing.begin(view, whole_);
+      drawing.draw(VisibleSet::all(objects).order());
+      whole_.read_ids(ids);
+      drawing.context().check("drawing everything");
+    });
     Truth truth{VisibleSet(objects), std::vector<std::uint32_t>(objects), 1};
     for (const std::uint32_t id : ids) {
       if (id == no_object) continue;

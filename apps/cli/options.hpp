@@ -118,6 +118,8 @@ struct QueriesOptions {
   int width = 1280, height = 720;
   int boxes = 4096;     // queries of a round
   std::string picture;  // plot as .svg, empty for none
+  std::string scene;    // count state changes on a walk through it instead, empty for no
+  PathOptions path{"", 60};
 };
 
 struct RenderOptions {

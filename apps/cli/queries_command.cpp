@@ -12,9 +12,15 @@ void add_queries(CLI::App& app, QueriesOptions& options) {
     std::tie(options.width, options.height) = parse_size("--size", text);
   });
   add_whole(app, "--queries", "queries of a round", options.boxes, 1, 1'000'000);
-  app.add_option("--picture", options.picture, "write the curve as an SVG")->type_name("FILE");
+  app.add_option("--picture", options.picture, "write the curves as an SVG")->type_name("FILE");
+  CLI::Option* scene =
+      app.add_option("--scene", options.scene, "count state changes of three methods on a walk through it instead");
+  add_path(app, options.path);
+  for (const char* name : {"--path", "--frames"}) app.get_option(name)->needs(scene);
   add_common(app, options.common);
-  app.footer("Examples:\n  sightline queries\n  sightline queries --picture queries.svg --json queries.json");
+  app.footer(
+      "Examples:\n  sightline queries\n  sightline queries --picture queries.svg --json queries.json\n"
+      "  sightline queries --scene generate:city:objects=5000 --frames 60 --picture state_changes.svg");
 }
 
 }  // namespace

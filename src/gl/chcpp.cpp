@@ -51,8 +51,8 @@ class Chcpp final : public Method {
     std::uint32_t last_visited = 0;   // frame
     std::uint32_t drawn = 0;          // frame
     std::uint32_t hidden_frames = 0;  // how often in a row it was found hidden; kept while it is outside the frustum
-    std::uint32_t next_query = 0;     // frame until which a visible leaf is taken for visible
-    std::uint32_t confirmed = 0;      // how often in a row a query has found it visible
+    std::uint32_t next_query = 0;     // frame until which it is taken for seen: a leaf is drawn, an inner node opened
+    std::uint32_t confirmed = 0;      // how often in a row a query has found it seen
     bool visible = false;
     bool asked = false;  // a query about it as a visible leaf is under way
   };
@@ -114,6 +114,7 @@ class Chcpp final : public Method {
     }
     if (!was_visible) {
       state.visible = false;
+      if (!node.leaf() && state.next_query > frame_) return traverse(n, 1);  // its box was seen, whatever is in it
       hidden_.push_back(n);
       if (config_.batch > 0 && hidden_.size() >= static_cast<std::size_t>(config_.batch)) ask_hidden();
       return;
@@ -186,13 +187,17 @@ class Chcpp final : public Method {
     begin_questions();
     for (const std::uint32_t n : singles_) add_question({&n, 1}, false);
     singles_.clear();
-    std::stable_sort(hidden_.begin(), hidden_.end(),
-                     [&](std::uint32_t a, std::uint32_t b) { return keep(a) > keep(b); });
-    std::vector<MultiqueryCandidate> candidates;
-    for (const std::uint32_t n : hidden_) candidates.push_back({keep(n), static_cast<double>(state_[n].triangles)});
+    std::vector<std::pair<double, std::uint32_t>> sorted;
+    for (const std::uint32_t n : hidden_) sorted.emplace_back(keep(n), n);
+    std::stable_sort(sorted.begin(), sorted.end(), [](const auto& a, const auto& b) { return a.first > b.first; });
+    candidates_.clear();
+    for (std::size_t i = 0; i < sorted.size(); ++i) {
+      hidden_[i] = sorted[i].second;
+      candidates_.push_back({sorted[i].first, static_cast<double>(state_[hidden_[i]].triangles)});
+    }
     for (std::size_t i = 0; i < hidden_.size();) {
       const std::size_t size =
-          config_.multiqueries ? multiquery_size(std::span(candidates).subspan(i), config_.multiquery) : 1;
+          config_.multiqueries ? multiquery_size(std::span(candidates_).subspan(i), config_.multiquery) : 1;
       add_question(std::span(hidden_).subspan(i, size), false);
       i += size;
     }
@@ -291,13 +296,13 @@ class Chcpp final : public Method {
     const auto nodes = [&](std::uint32_t i) { return asked_[pending.first + i]; };
     if (pending.of_visible) {
       state_[nodes(0)].asked = false;
-      return seen ? stays_visible(nodes(0)) : goes_out_of_sight(nodes(0));
+      return seen ? stays_visible(nodes(0)) : goes_out_of_sight(nodes(0), 0);
     }
     for (std::uint32_t i = 0; i < pending.count; ++i) {
       const std::uint32_t n = nodes(i);
       if (!seen || pending.count == 1) learn(n, !seen);
       if (!seen) {
-        ++state_[n].hidden_frames;
+        goes_out_of_sight(n, state_[n].hidden_frames + 1);
       } else if (pending.count > 1) {
         singles_.push_back(n);
       } else {
@@ -307,10 +312,12 @@ class Chcpp final : public Method {
     }
   }
 
-  void goes_out_of_sight(std::uint32_t n) {
-    state_[n].visible = false;
-    state_[n].hidden_frames = 0;
-    state_[n].confirmed = 0;
+  void goes_out_of_sight(std::uint32_t n, std::uint32_t hidden_frames) {
+    NodeState& state = state_[n];
+    state.visible = false;
+    state.hidden_frames = hidden_frames;
+    state.confirmed = 0;
+    state.next_query = 0;
   }
 
   void stays_visible(std::uint32_t n) {
@@ -320,20 +327,23 @@ class Chcpp final : public Method {
 
   void came_into_sight(std::uint32_t n) {
     NodeState& state = state_[n];
+    const std::uint32_t frames = interval(n);
+    const bool at_random = config_.random && frames > 1 && state.confirmed == 0;
+    state.next_query = frame_ + (at_random ? 1 + random_.below(frames) : frames);
     state.hidden_frames = 0;
-    state.confirmed = 0;
-    if (drawing_.bvh().nodes[n].leaf()) {
-      const std::uint32_t frames = interval(n);
-      state.next_query = frame_ + (config_.random && frames > 1 ? 1 + random_.below(frames) : frames);
-    }
+    if (drawing_.bvh().nodes[n].leaf())
+      state.confirmed = 0;
+    else
+      ++state.confirmed;
     pull_up(n);
   }
 
-  /// Frames for which a visible leaf is drawn without a question.
+  /// Frames for which a seen leaf is drawn, and an inner node opened, without a question.
   [[nodiscard]] std::uint32_t interval(std::uint32_t n) const {
     if (config_.assumed == 0) return 0;
     double frames = config_.assumed;
-    if (config_.adapt) {
+    if (config_.adapt && !drawing_.bvh().nodes[n].leaf()) frames *= std::min(1.0 + state_[n].confirmed, 4.0);
+    if (config_.adapt && drawing_.bvh().nodes[n].leaf()) {
       const double worth = config_.query_cost / std::max(1.0, static_cast<double>(state_[n].triangles));
       frames *= std::clamp(std::sqrt(worth), 1.0, 16.0);
       frames *= std::min(1.0 + state_[n].confirmed, 4.0);
@@ -362,6 +372,7 @@ class Chcpp final : public Method {
   std::size_t waiting_ = 0;      // those of pending_ whose answers this frame needs
   std::vector<Aabb> boxes_;
   std::vector<OcclusionQueries::Ask> asks_;
+  std::vector<MultiqueryCandidate> candidates_;
   std::vector<Pending> new_pending_;
   std::vector<unsigned> names_;
 };

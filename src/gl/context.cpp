@@ -64,14 +64,16 @@ EGLContext make_context(EGLDisplay display, const ContextConfig& config) {
   EGLConfig chosen = EGL_NO_CONFIG_KHR;
   EGLint count = 0;
   if (!eglChooseConfig(display, wanted, &chosen, 1, &count) || count == 0) chosen = EGL_NO_CONFIG_KHR;
-  const EGLint attributes[] = {EGL_CONTEXT_MAJOR_VERSION,
-                               config.major,
-                               EGL_CONTEXT_MINOR_VERSION,
-                               config.minor,
-                               EGL_CONTEXT_OPENGL_PROFILE_MASK,
-                               EGL_CONTEXT_OPENGL_CORE_PROFILE_BIT,
-                               EGL_NONE};
-  return eglCreateContext(display, chosen, EGL_NO_CONTEXT, attributes);
+  std::vector<EGLint> attributes = {EGL_CONTEXT_MAJOR_VERSION,       config.major,
+                                    EGL_CONTEXT_MINOR_VERSION,       config.minor,
+                                    EGL_CONTEXT_OPENGL_PROFILE_MASK, EGL_CONTEXT_OPENGL_CORE_PROFILE_BIT};
+  // Without this a context that is lost does not say so. Not every driver knows it.
+  std::vector<EGLint> told = attributes;
+  told.insert(told.end(), {EGL_CONTEXT_OPENGL_RESET_NOTIFICATION_STRATEGY, EGL_LOSE_CONTEXT_ON_RESET, EGL_NONE});
+  const EGLContext context = eglCreateContext(display, chosen, EGL_NO_CONTEXT, told.data());
+  if (context != EGL_NO_CONTEXT) return context;
+  attributes.push_back(EGL_NONE);
+  return eglCreateContext(display, chosen, EGL_NO_CONTEXT, attributes.data());
 }
 
 /// Fills in what the current context is; throws if it is too old.

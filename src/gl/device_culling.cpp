@@ -1,6 +1,7 @@
 #include "gl/device_culling.hpp"
 
 #include <algorithm>
+#include <cstddef>
 #include <string>
 
 #include "gl/device_shaders.hpp"
@@ -8,14 +9,23 @@
 namespace sightline::gl {
 namespace {
 
-constexpr std::uint32_t group_size = 64;
+constexpr std::uint32_t group_size = 32;
+constexpr std::uint32_t most_workgroups = 256;
+constexpr std::uint32_t no_buckets[256] = {};
 
 struct Group {
   glm::vec4 lo, hi;
   std::uint32_t begin, count, unused[2];
 };
 
-constexpr std::uint32_t count_words = 16;
+/// As the shaders see it.
+struct Counts {
+  std::uint32_t commands[2] = {0, 0};
+  std::uint32_t now = 0, read_list = 0;
+  std::uint32_t boxes[2][4] = {{14, 0, 0, 0}, {14, 0, 0, 0}};  // a box is a strip of 14 corners
+  std::uint32_t seen_groups = 0;
+  std::uint32_t places[2] = {0, 0};
+};
 
 /// What both methods share: the buffers, and the two phases.
 class DeviceCulling : public Method {
@@ -26,12 +36,16 @@ class DeviceCulling : public Method {
           "OpenGL has no GL_ARB_indirect_parameters, which draws as many objects as the device has counted");
     find_groups();
     const std::size_t objects = drawing.scene().objects().size();
-    seen_ = make_buffer(std::vector<std::uint32_t>(objects + groups_.size(), 1u));  // nothing is known: all of it
-    drawn_first_ = make_buffer(objects * sizeof(std::uint32_t));
+    // Frames are numbered from 1 on, so a buffer of zeros says "never".
+    seen_ = make_buffer(std::vector<std::uint32_t>(objects + groups_.size()));
+    drawn_first_ = make_buffer(std::vector<std::uint32_t>(objects));
+    seen_groups_ = make_buffer(groups_.size() * sizeof(std::uint32_t));
+    places_ = make_buffer(2 * objects * sizeof(std::uint32_t));
     commands_ = make_buffer(2 * objects * sizeof(DrawCommand));
-    counts_ = make_buffer(std::vector<std::uint32_t>(count_words));
-    const std::string head = std::string(SceneDrawing::frame_block()) + buffers_glsl;
-    first_ = make_compute_program(head + first_glsl);
+    counts_ = make_buffer(sizeof(Counts));
+    buckets_ = make_buffer(sizeof no_buckets);
+    first_ = make_kernel(first_glsl);
+    begin_buckets_ = make_kernel(buckets_glsl);
   }
 
   void drawn(std::vector<ObjectId>& ids) override {
@@ -39,20 +53,19 @@ class DeviceCulling : public Method {
     ids = drawn_;
   }
 
-  void reset() override {
-    const std::vector<std::uint32_t> all(drawing_.scene().objects().size() + groups_.size(), 1u);
-    glNamedBufferSubData(seen_.name(), 0, static_cast<GLsizeiptr>(all.size() * sizeof(std::uint32_t)), all.data());
-  }
+  void reset() override { known_ = false; }
 
  protected:
   void render() override {
     bring_up_to_date();
-    const std::uint32_t zero[count_words] = {0, 0, 0, 0, 14, 0, 0, 0, 14};  // two indirect draws of a strip of 14
-    glNamedBufferSubData(counts_.name(), 0, sizeof zero, zero);
+    Counts fresh;
+    fresh.now = ++frame_;
+    fresh.read_list = frame_ & 1;
+    glNamedBufferSubData(counts_.name(), 0, offsetof(Counts, places), &fresh);
+    set_place_count(1 - fresh.read_list, 0);
+    if (!known_) suppose_seen(fresh.read_list);
     bind();
-    glUseProgram(first_.name());
-    run(group_count());
-    glMemoryBarrier(GL_COMMAND_BARRIER_BIT | GL_SHADER_STORAGE_BARRIER_BIT);
+    list_first();
     drawing_.draw_indirect(commands_.name(), 0, counts_.name(), 0, object_count());
     drawing_.leave_mode();
     {
@@ -66,7 +79,7 @@ class DeviceCulling : public Method {
     counted_ = false;
   }
 
-  /// Fills `seen_` and the second list.
+  /// Notes for the next frame what is seen, and lists what of it was not yet drawn.
   virtual void test() = 0;
 
   void bind() {
@@ -74,10 +87,39 @@ class DeviceCulling : public Method {
         drawing_.bounds_buffer(), groups_buffer_.name(),      items_buffer_.name(), seen_.name(),
         drawn_first_.name(),      drawing_.commands_buffer(), commands_.name(),     counts_.name()};
     for (GLuint i = 0; i < 8; ++i) glBindBufferBase(GL_SHADER_STORAGE_BUFFER, i + 1, names[i]);
+    glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 10, places_.name());
+    glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 12, seen_groups_.name());
     drawing_.bind_frame();
   }
 
-  static void run(std::uint32_t groups) { glDispatchCompute(groups, 1, 1); }
+  /// What was seen in the last frame becomes the first list.
+  void list_first() {
+    glNamedBufferSubData(buckets_.name(), 0, sizeof no_buckets, no_buckets);
+    glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 11, buckets_.name());
+    glProgramUniform1i(first_.name(), 0, 0);
+    run_for_objects(first_);
+    run(begin_buckets_, 1);
+    glProgramUniform1i(first_.name(), 0, 1);
+    run_for_objects(first_);
+  }
+
+  /// A program of a compute shader that sees all buffers.
+  static Program make_kernel(std::string source, const std::string& functions = "") {
+    source = SceneDrawing::frame_block() + buffers_glsl + functions + source;
+    if (const std::size_t at = source.find("GROUP"); at != std::string::npos)
+      source.replace(at, 5, std::to_string(group_size));
+    return make_compute_program(source);
+  }
+
+  static void run(const Program& program, std::uint32_t workgroups) {
+    glUseProgram(program.name());
+    glDispatchCompute(workgroups, 1, 1);
+    glMemoryBarrier(GL_COMMAND_BARRIER_BIT | GL_SHADER_STORAGE_BARRIER_BIT);
+  }
+  /// An invocation for each group.
+  void run_for_groups(const Program& program) { run(program, (group_count() + group_size - 1) / group_size); }
+  /// Workgroups that share the groups that were seen, an invocation for each object of one.
+  void run_for_objects(const Program& program) { run(program, std::min(most_workgroups, group_count())); }
   [[nodiscard]] std::uint32_t group_count() const { return static_cast<std::uint32_t>(groups_.size()); }
   [[nodiscard]] std::uint32_t object_count() const {
     return static_cast<std::uint32_t>(drawing_.scene().objects().size());
@@ -129,6 +171,24 @@ class DeviceCulling : public Method {
                          items_.data());
   }
 
+  void set_place_count(std::uint32_t list, std::uint32_t count) {
+    glNamedBufferSubData(counts_.name(), static_cast<GLintptr>(offsetof(Counts, places) + list * sizeof count),
+                         sizeof count, &count);
+  }
+
+  /// Without an earlier frame the objects nearest to the eye are taken for seen, to have occluders at all.
+  void suppose_seen(std::uint32_t list) {
+    known_ = true;
+    std::vector<Placed> found;
+    objects_in_frustum(drawing_, candidates(), true, found);
+    std::vector<std::uint32_t> place_of(object_count()), near;
+    for (std::uint32_t place = 0; place < items_.size(); ++place) place_of[drawing_.bvh().items[place]] = place;
+    for (std::size_t i = 0; i < found.size() / 8; ++i) near.push_back(place_of[found[i].id]);
+    set_place_count(list, static_cast<std::uint32_t>(near.size()));
+    glNamedBufferSubData(places_.name(), static_cast<GLintptr>(list * object_count() * sizeof(std::uint32_t)),
+                         static_cast<GLsizeiptr>(near.size() * sizeof(std::uint32_t)), near.data());
+  }
+
   /// What the frame drew, read after it.
   void read_drawn() {
     counted_ = true;
@@ -153,33 +213,38 @@ class DeviceCulling : public Method {
   std::vector<std::uint32_t> nodes_, items_;
   std::vector<Group> groups_;
   std::uint64_t revision_ = 0;
-  bool items_masked_ = false, counted_ = true;
-  Buffer groups_buffer_, items_buffer_, seen_, drawn_first_, commands_, counts_;
-  Program first_;
+  std::uint32_t frame_ = 0;
+  bool items_masked_ = false, counted_ = true, known_ = false;
+  Buffer groups_buffer_, items_buffer_, seen_, drawn_first_, seen_groups_, places_, commands_, counts_, buckets_;
+  Program first_, begin_buckets_;
 };
 
 class Hzb final : public DeviceCulling {
  public:
   Hzb(SceneDrawing& drawing, int finer) : DeviceCulling(drawing) {
-    const std::string head = SceneDrawing::frame_block();
     std::string hidden = hidden_glsl;
     hidden.replace(hidden.find("FINER"), 5, std::to_string(finer));
-    second_ = make_compute_program(head + buffers_glsl + hidden + second_glsl);
-    pyramid_program_ = make_compute_program(std::string("#version 450 core\n") + pyramid_glsl);
+    of_groups_ = make_kernel(groups_glsl, hidden);
+    of_objects_ = make_kernel(objects_glsl, hidden);
+    for (int i = 0; i < 2; ++i) {
+      std::string level = std::string("#version 450 core\n") + pyramid_glsl;
+      level.replace(level.find("SIDE"), 4, i == 0 ? "4" : "2");
+      level_programs_[i] = make_compute_program(level);
+    }
   }
 
  private:
   void test() override {
     build_pyramid();
     bind();
-    glUseProgram(second_.name());
     glBindTextureUnit(0, pyramid_.name());
-    glUniform1i(1, levels_);
-    run(group_count());
+    for (const Program* program : {&of_groups_, &of_objects_}) glProgramUniform1i(program->name(), 1, levels_);
+    run_for_groups(of_groups_);
+    run_for_objects(of_objects_);
   }
 
   void build_pyramid() {
-    const int width = (drawing_.target().width() + 1) / 2, height = (drawing_.target().height() + 1) / 2;
+    const int width = (drawing_.target().width() + 3) / 4, height = (drawing_.target().height() + 3) / 4;
     if (!pyramid_ || width != width_ || height != height_) {
       GLuint name = 0;
       glCreateTextures(GL_TEXTURE_2D, 1, &name);
@@ -196,8 +261,8 @@ class Hzb final : public DeviceCulling {
       glTextureParameteri(name, GL_TEXTURE_MIN_FILTER, GL_NEAREST_MIPMAP_NEAREST);
       glTextureParameteri(name, GL_TEXTURE_MAG_FILTER, GL_NEAREST);
     }
-    glUseProgram(pyramid_program_.name());
     for (int level = 0; level < levels_; ++level) {
+      glUseProgram(level_programs_[level == 0 ? 0 : 1].name());
       glBindTextureUnit(0, level == 0 ? drawing_.target().depth_texture() : pyramid_.name());
       glBindImageTexture(0, pyramid_.name(), level, GL_FALSE, 0, GL_WRITE_ONLY, GL_R32F);
       glUniform1i(0, std::max(0, level - 1));
@@ -211,7 +276,8 @@ class Hzb final : public DeviceCulling {
     }
   }
 
-  Program second_, pyramid_program_;
+  Program of_groups_, of_objects_;
+  Program level_programs_[2];  // the lowest level, all others
   Texture pyramid_;
   int width_ = 0, height_ = 0, side_x_ = 1, side_y_ = 1, levels_ = 1;
 };
@@ -219,36 +285,37 @@ class Hzb final : public DeviceCulling {
 class Raster final : public DeviceCulling {
  public:
   explicit Raster(SceneDrawing& drawing) : DeviceCulling(drawing) {
-    const std::string head = std::string(SceneDrawing::frame_block()) + buffers_glsl;
-    boxes_ = make_compute_program(head + boxes_glsl);
-    newly_ = make_compute_program(head + newly_glsl);
-    draw_boxes_ = make_program(head + box_vertex_glsl, box_fragment_glsl);
+    group_boxes_ = make_kernel(group_boxes_glsl);
+    list_groups_ = make_kernel(seen_groups_glsl);
+    object_boxes_ = make_kernel(object_boxes_glsl);
+    newly_ = make_kernel(newly_glsl);
+    draw_boxes_ = make_program(SceneDrawing::frame_block() + buffers_glsl + box_vertex_glsl, box_fragment_glsl);
     list_ = make_buffer(std::max<std::size_t>(object_count(), group_count()) * sizeof(std::uint32_t));
   }
 
  private:
   void test() override {
-    for (const int mode : {0, 1}) {  // groups, then the objects of those that are seen
-      bind();
-      glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 9, list_.name());
-      glUseProgram(boxes_.name());
-      glUniform1i(0, mode);
-      glUniform1ui(1, group_count());
-      run(mode == 0 ? (group_count() + group_size - 1) / group_size : group_count());
-      glMemoryBarrier(GL_COMMAND_BARRIER_BIT | GL_SHADER_STORAGE_BARRIER_BIT);
-      drawing_.begin_box_mode(draw_boxes_.name());
-      glUniform1i(0, mode);
-      glBindBuffer(GL_DRAW_INDIRECT_BUFFER, counts());
-      glDrawArraysIndirect(GL_TRIANGLE_STRIP,
-                           reinterpret_cast<const void*>((mode == 0 ? 4 : 8) * sizeof(std::uint32_t)));
-      glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);
-    }
     bind();
-    glUseProgram(newly_.name());
-    run(group_count());
+    glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 9, list_.name());
+    run_for_groups(group_boxes_);
+    draw_listed(true);
+    run_for_groups(list_groups_);
+    run_for_objects(object_boxes_);
+    draw_listed(false);
+    run_for_objects(newly_);
   }
 
-  Program boxes_, newly_, draw_boxes_;
+  /// Draws the boxes that the device has listed; their fragments write.
+  void draw_listed(bool groups) {
+    drawing_.begin_box_mode(draw_boxes_.name());
+    glUniform1i(0, groups ? 1 : 0);
+    glBindBuffer(GL_DRAW_INDIRECT_BUFFER, counts());
+    const std::size_t command = offsetof(Counts, boxes) + (groups ? 0 : sizeof(Counts::boxes[0]));
+    glDrawArraysIndirect(GL_TRIANGLE_STRIP, reinterpret_cast<const void*>(command));
+    glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);
+  }
+
+  Program group_boxes_, list_groups_, object_boxes_, newly_, draw_boxes_;
   Buffer list_;
 };
 

@@ -5,7 +5,7 @@
 
 namespace sightline::gl {
 
-/// Buffers that all kernels see. A group is a subtree of the hierarchy with at most 64 objects, which lie side by side
+/// Buffers that all kernels see. A group is a subtree of the hierarchy with a few dozen objects, which lie side by side
 /// in `items`; the highest bit of an item says that it is no candidate.
 inline constexpr char buffers_glsl[] = R"(
 struct Command { uint index_count, instances, first_index; int base_vertex; uint base_instance; };
@@ -13,11 +13,19 @@ struct Group { vec4 lo, hi; uvec4 range; };  // begin, count
 layout(std430, binding = 1) readonly buffer Bounds { vec4 bounds[]; };
 layout(std430, binding = 2) readonly buffer Groups { Group groups[]; };
 layout(std430, binding = 3) readonly buffer Items { uint items[]; };
-layout(std430, binding = 4) buffer Seen { uint seen[]; };      // objects, then groups: 1 seen now
-layout(std430, binding = 5) buffer Drawn { uint drawn[]; };    // objects: 1 drawn first
+layout(std430, binding = 4) buffer Seen { uint seen[]; };      // objects, then groups: frame in which it was seen
+layout(std430, binding = 5) buffer Drawn { uint drawn[]; };    // objects: frame in which it was drawn first
 layout(std430, binding = 6) readonly buffer Templates { Command templates[]; };
 layout(std430, binding = 7) buffer Out { Command commands[]; };  // two lists
-layout(std430, binding = 8) buffer Counts { uint counts[]; };    // commands of the lists; tests; boxes of a draw
+layout(std430, binding = 8) buffer Counts {
+  uint command_count[2];  // of the two lists
+  uint now, read_list;    // number of the frame; which list of places tells what the last frame saw
+  uint boxes[2][4];       // indirect draws of boxes
+  uint seen_group_count;
+  uint place_count[2];    // of the two lists of places
+};
+layout(std430, binding = 10) buffer Places { uint places[]; };  // places in `items`; two lists
+layout(std430, binding = 12) buffer SeenGroups { uint seen_groups[]; };
 const uint no_candidate = 0x80000000u;
 
 bool outside(vec3 lo, vec3 hi) {
@@ -28,55 +36,81 @@ bool outside(vec3 lo, vec3 hi) {
   return false;
 }
 
-float widening_of(vec3 lo, vec3 hi) {
-  vec3 reach = max(abs(lo), abs(hi));
-  return 1e-6 * max(reach.x, max(reach.y, reach.z));
-}
-
 /// The eye may be in the box, or the near plane may cut it.
 bool near_or_inside(vec3 lo, vec3 hi) {
   vec3 half_extent = 0.5 * (hi - lo), centre = 0.5 * (lo + hi) - frame.eye.xyz;
   float nearest = dot(frame.forward.xyz, centre) - dot(abs(frame.forward.xyz), half_extent);
-  float slack = 4.0 * (frame.eye.w * frame.forward.w + widening_of(lo, hi) + 1e-6 * length(frame.eye.xyz));
+  float slack = 4.0 * (frame.eye.w * frame.forward.w + rounding_of(lo, hi) + 1e-6 * length(frame.eye.xyz));
   return nearest <= frame.forward.w + slack + 2.0 * frame.eye.w * (frame.size.w == 1 ? abs(nearest) : 1.0);
 }
 
-void append(uint list, uint id) {
-  uint place = atomicAdd(counts[list], 1u);
-  commands[list * uint(bounds.length() / 2) + place] = templates[id];
+uint object_count() { return uint(bounds.length() / 2); }
+
+void append(uint list, uint id) { commands[list * object_count() + atomicAdd(command_count[list], 1u)] = templates[id]; }
+
+/// For the next frame, and for this one unless it was drawn already.
+void note_seen(uint place, uint id) {
+  uint list = 1u - read_list;
+  places[list * object_count() + atomicAdd(place_count[list], 1u)] = place;
+  if (drawn[id] != now) append(1u, id);
 }
 )";
 
-/// Phase one: what was seen in the last frame.
+/// Phase one: what was seen in the last frame, from front to back: counted into buckets by distance, then placed.
 inline constexpr char first_glsl[] = R"(
-layout(local_size_x = 64) in;
+layout(local_size_x = GROUP) in;
+layout(std430, binding = 11) buffer Buckets { uint buckets[256]; };
+layout(location = 0) uniform int placing;  // 0: count, 1: place
+
+/// An eighth of an octave of distance each.
+uint bucket_of(uint id) {
+  vec3 d = max(max(bounds[2u * id].xyz - frame.eye.xyz, frame.eye.xyz - bounds[2u * id + 1u].xyz), vec3(0.0));
+  return clamp((floatBitsToUint(dot(d, d)) >> 21) - 428u, 0u, 255u);
+}
+
 void main() {
-  Group group = groups[gl_WorkGroupID.x];
-  if (gl_LocalInvocationID.x >= group.range.y) return;
-  uint item = items[group.range.x + gl_LocalInvocationID.x];
-  uint id = item & ~no_candidate;
-  bool first = seen[id] != 0u && item < no_candidate && !outside(bounds[2u * id].xyz, bounds[2u * id + 1u].xyz);
-  drawn[id] = first ? 1u : 0u;
-  if (first) append(0u, id);
+  for (uint i = gl_GlobalInvocationID.x; i < place_count[read_list]; i += gl_WorkGroupSize.x * gl_NumWorkGroups.x) {
+    uint id = items[places[read_list * object_count() + i]];
+    if (id >= no_candidate || outside(bounds[2u * id].xyz, bounds[2u * id + 1u].xyz)) continue;
+    uint place = atomicAdd(buckets[bucket_of(id)], 1u);
+    if (placing == 0) continue;
+    drawn[id] = now;
+    commands[place] = templates[id];
+  }
 }
 )";
 
-/// One level of the pyramid from the one below: the farthest (smallest) depth of 2 x 2, or of the picture.
+/// Between the two: where each bucket begins, and how many there are in all.
+inline constexpr char buckets_glsl[] = R"(
+layout(local_size_x = 256) in;
+layout(std430, binding = 11) buffer Buckets { uint buckets[256]; };
+void main() {
+  uint begin = 0u;
+  for (uint i = 0u; i < gl_LocalInvocationID.x; ++i) begin += buckets[i];
+  uint count = buckets[gl_LocalInvocationID.x];
+  memoryBarrierBuffer();
+  barrier();
+  buckets[gl_LocalInvocationID.x] = begin;
+  if (gl_LocalInvocationID.x == 255u) command_count[0] = begin + count;
+}
+)";
+
+/// One level of the pyramid: the farthest (smallest) depth of 2 x 2 of the level below, or of 4 x 4 of the picture.
 inline constexpr char pyramid_glsl[] = R"(
 layout(local_size_x = 8, local_size_y = 8) in;
 layout(binding = 0) uniform sampler2D below;
 layout(binding = 0, r32f) writeonly uniform image2D above;
 layout(location = 0) uniform int level_below;
 layout(location = 1) uniform ivec2 last;  // of the level below that belongs to the picture
+const int side = SIDE;
 void main() {
   ivec2 p = ivec2(gl_GlobalInvocationID.xy);
-  if (any(greaterThanEqual(p, imageSize(above)))) return;
-  ivec2 q = 2 * p;
-  float a = texelFetch(below, min(q, last), level_below).r;
-  float b = texelFetch(below, min(q + ivec2(1, 0), last), level_below).r;
-  float c = texelFetch(below, min(q + ivec2(0, 1), last), level_below).r;
-  float d = texelFetch(below, min(q + ivec2(1, 1), last), level_below).r;
-  imageStore(above, p, vec4(min(min(a, b), min(c, d))));
+  if (any(greaterThan(side * p, last))) return;
+  float farthest = 1.0;
+  for (int y = 0; y < side; ++y)
+    for (int x = 0; x < side; ++x)
+      farthest = min(farthest, texelFetch(below, min(side * p + ivec2(x, y), last), level_below).r);
+  imageStore(above, p, vec4(farthest));
 }
 )";
 
@@ -85,7 +119,7 @@ layout(binding = 0) uniform sampler2D pyramid;
 layout(location = 1) uniform int levels;
 
 bool covered(ivec2 from, ivec2 to, int level, float nearest) {
-  ivec2 a = from >> (level + 1), b = to >> (level + 1);
+  ivec2 a = from >> (level + 2), b = to >> (level + 2);
   for (int y = a.y; y <= b.y; ++y)
     for (int x = a.x; x <= b.x; ++x)
       if (texelFetch(pyramid, ivec2(x, y), level).r <= nearest) return false;  // nearer is larger
@@ -95,14 +129,10 @@ bool covered(ivec2 from, ivec2 to, int level, float nearest) {
 /// True if every pixel that the widened box may touch has something nearer than the nearest point of the box.
 bool hidden(vec3 lo, vec3 hi) {
   if (near_or_inside(lo, hi)) return false;
-  float extra = widening_of(lo, hi), nearest = 0.0;
+  float nearest = 0.0;
   vec2 from = vec2(1e30), to = vec2(-1e30);
-  mat4 clip = frame.clip;
   for (int i = 0; i < 8; ++i) {
-    vec3 corner = vec3(i & 1, (i >> 1) & 1, (i >> 2) & 1);
-    vec3 p = mix(lo, hi, corner) - frame.eye.xyz;
-    float w = dot(vec4(clip[0].w, clip[1].w, clip[2].w, clip[3].w), vec4(p, 1.0));
-    vec4 q = clip * vec4(p + (2.0 * corner - 1.0) * (frame.eye.w * abs(w) + extra), 1.0);
+    vec4 q = asked_corner(lo, hi, vec3(i & 1, (i >> 1) & 1, (i >> 2) & 1));
     vec3 ndc = q.xyz / q.w;
     from = min(from, ndc.xy);
     to = max(to, ndc.xy);
@@ -113,97 +143,113 @@ bool hidden(vec3 lo, vec3 hi) {
   ivec2 a = ivec2(clamp(floor((0.5 + 0.5 * from) * size), vec2(0.0), size - 1.0));
   ivec2 b = ivec2(clamp(floor((0.5 + 0.5 * to) * size), vec2(0.0), size - 1.0));
   int span = max(b.x - a.x, b.y - a.y) + 1;
-  int coarse = clamp(findMSB(span), 0, levels - 1);  // at most 2 x 2 texels, often
+  int coarse = clamp(findMSB(span) - 1, 0, levels - 1);  // at most 2 x 2 texels
   if (covered(a, b, coarse, nearest)) return true;
-  return coarse > 1 && covered(a, b, max(0, coarse - FINER), nearest);
+  return coarse > 0 && covered(a, b, max(0, coarse - FINER), nearest);
 }
 )";
 
-/// Phase two: everything against the pyramid, groups first.
-inline constexpr char second_glsl[] = R"(
-layout(local_size_x = 64) in;
+/// Phase two: the groups against the pyramid.
+inline constexpr char groups_glsl[] = R"(
+layout(local_size_x = GROUP) in;
 void main() {
-  Group group = groups[gl_WorkGroupID.x];
-  if (gl_LocalInvocationID.x >= group.range.y) return;
-  uint item = items[group.range.x + gl_LocalInvocationID.x];
-  uint id = item & ~no_candidate;
-  bool visible = item < no_candidate && !outside(group.lo.xyz, group.hi.xyz) && !hidden(group.lo.xyz, group.hi.xyz);
-  if (visible) {
+  uint g = gl_GlobalInvocationID.x;
+  if (g >= uint(groups.length())) return;
+  vec3 lo = groups[g].lo.xyz, hi = groups[g].hi.xyz;
+  if (!outside(lo, hi) && !hidden(lo, hi)) seen_groups[atomicAdd(seen_group_count, 1u)] = g;
+}
+)";
+
+/// Then the objects of groups that were seen.
+inline constexpr char objects_glsl[] = R"(
+layout(local_size_x = GROUP) in;
+void main() {
+  for (uint i = gl_WorkGroupID.x; i < seen_group_count; i += gl_NumWorkGroups.x) {
+    uint g = seen_groups[i];
+    if (gl_LocalInvocationID.x >= groups[g].range.y) continue;
+    uint place = groups[g].range.x + gl_LocalInvocationID.x, id = items[place];
+    if (id >= no_candidate) continue;
     vec3 lo = bounds[2u * id].xyz, hi = bounds[2u * id + 1u].xyz;
-    visible = !outside(lo, hi) && !hidden(lo, hi);
+    if (!outside(lo, hi) && !hidden(lo, hi)) note_seen(place, id);
   }
-  seen[id] = visible ? 1u : 0u;
-  if (visible && drawn[id] == 0u) append(1u, id);
 }
 )";
 
 // ---- boxes that write
 
-/// Which boxes are drawn: mode 0, the groups in the frustum; mode 1, the objects of groups that were seen.
-inline constexpr char boxes_glsl[] = R"(
-layout(local_size_x = 64) in;
+/// Which boxes are drawn: first the groups in the frustum.
+inline constexpr char group_boxes_glsl[] = R"(
+layout(local_size_x = GROUP) in;
 layout(std430, binding = 9) writeonly buffer List { uint list[]; };
-layout(location = 0) uniform int mode;
-layout(location = 1) uniform uint group_count;
 void main() {
-  uint objects = uint(bounds.length() / 2);
-  if (mode == 0) {
-    uint g = gl_GlobalInvocationID.x;
-    if (g >= group_count) return;
-    vec3 lo = groups[g].lo.xyz, hi = groups[g].hi.xyz;
-    seen[objects + g] = 0u;
-    if (outside(lo, hi)) return;
-    if (near_or_inside(lo, hi)) seen[objects + g] = 1u;
-    else list[atomicAdd(counts[5], 1u)] = g;
-    return;
-  }
-  Group group = groups[gl_WorkGroupID.x];
-  if (gl_LocalInvocationID.x >= group.range.y) return;
-  uint item = items[group.range.x + gl_LocalInvocationID.x];
-  uint id = item & ~no_candidate;
-  seen[id] = 0u;
-  if (seen[objects + gl_WorkGroupID.x] == 0u || item >= no_candidate) return;
-  vec3 lo = bounds[2u * id].xyz, hi = bounds[2u * id + 1u].xyz;
+  uint g = gl_GlobalInvocationID.x;
+  if (g >= uint(groups.length())) return;
+  vec3 lo = groups[g].lo.xyz, hi = groups[g].hi.xyz;
   if (outside(lo, hi)) return;
-  if (near_or_inside(lo, hi)) seen[id] = 1u;
-  else list[atomicAdd(counts[9], 1u)] = id;
+  if (near_or_inside(lo, hi)) seen[object_count() + g] = now;
+  else list[atomicAdd(boxes[0][1], 1u)] = g;
+}
+)";
+
+/// The groups that were seen become a list: invocations that have nothing to do are not free everywhere.
+inline constexpr char seen_groups_glsl[] = R"(
+layout(local_size_x = GROUP) in;
+void main() {
+  uint g = gl_GlobalInvocationID.x;
+  if (g < uint(groups.length()) && seen[object_count() + g] == now)
+    seen_groups[atomicAdd(seen_group_count, 1u)] = g;
+}
+)";
+
+/// Then the objects of those groups.
+inline constexpr char object_boxes_glsl[] = R"(
+layout(local_size_x = GROUP) in;
+layout(std430, binding = 9) writeonly buffer List { uint list[]; };
+void main() {
+  for (uint i = gl_WorkGroupID.x; i < seen_group_count; i += gl_NumWorkGroups.x) {
+    uint g = seen_groups[i];
+    if (gl_LocalInvocationID.x >= groups[g].range.y) continue;
+    uint id = items[groups[g].range.x + gl_LocalInvocationID.x];
+    if (id >= no_candidate) continue;
+    vec3 lo = bounds[2u * id].xyz, hi = bounds[2u * id + 1u].xyz;
+    if (outside(lo, hi)) continue;
+    if (near_or_inside(lo, hi)) seen[id] = now;
+    else list[atomicAdd(boxes[1][1], 1u)] = id;
+  }
 }
 )";
 
 inline constexpr char box_vertex_glsl[] = R"(
 layout(location = 0) in vec3 corner;
 layout(std430, binding = 9) readonly buffer List { uint list[]; };
-layout(location = 0) uniform int mode;
-flat out uint flag;
+layout(location = 0) uniform int of_groups;
+flat out uvec2 flag;  // which word, what to write
 void main() {
   uint which = list[gl_InstanceID];
-  vec3 lo = mode == 0 ? groups[which].lo.xyz : bounds[2u * which].xyz;
-  vec3 hi = mode == 0 ? groups[which].hi.xyz : bounds[2u * which + 1u].xyz;
-  flag = mode == 0 ? uint(bounds.length() / 2) + which : which;
-  vec3 p = mix(lo, hi, corner) - frame.eye.xyz;
-  float w = (frame.clip * vec4(p, 1.0)).w;
-  float wide = frame.eye.w * abs(w) + widening_of(lo, hi);
-  gl_Position = frame.clip * vec4(p + (2.0 * corner - 1.0) * wide, 1.0);
+  vec3 lo = of_groups == 1 ? groups[which].lo.xyz : bounds[2u * which].xyz;
+  vec3 hi = of_groups == 1 ? groups[which].hi.xyz : bounds[2u * which + 1u].xyz;
+  flag = uvec2(of_groups == 1 ? object_count() + which : which, now);
+  gl_Position = asked_corner(lo, hi, corner);
 }
 )";
 
 inline constexpr char box_fragment_glsl[] = R"(#version 450 core
 layout(early_fragment_tests) in;
 layout(std430, binding = 4) buffer Seen { uint seen[]; };
-flat in uint flag;
-void main() { if (seen[flag] == 0u) seen[flag] = 1u; }
+flat in uvec2 flag;
+void main() { if (seen[flag.x] != flag.y) seen[flag.x] = flag.y; }
 )";
 
-/// After the boxes: what is seen and not yet drawn. Where phase one drew nothing, nothing can be hidden.
+/// After the boxes: what is seen.
 inline constexpr char newly_glsl[] = R"(
-layout(local_size_x = 64) in;
+layout(local_size_x = GROUP) in;
 void main() {
-  Group group = groups[gl_WorkGroupID.x];
-  if (gl_LocalInvocationID.x >= group.range.y) return;
-  uint item = items[group.range.x + gl_LocalInvocationID.x];
-  uint id = item & ~no_candidate;
-  if (counts[0] == 0u && item < no_candidate && !outside(bounds[2u * id].xyz, bounds[2u * id + 1u].xyz)) seen[id] = 1u;
-  if (seen[id] != 0u && drawn[id] == 0u) append(1u, id);
+  for (uint i = gl_WorkGroupID.x; i < seen_group_count; i += gl_NumWorkGroups.x) {
+    uint g = seen_groups[i];
+    if (gl_LocalInvocationID.x >= groups[g].range.y) continue;
+    uint place = groups[g].range.x + gl_LocalInvocationID.x, id = items[place];
+    if (id < no_candidate && seen[id] == now) note_seen(place, id);
+  }
 }
 )";
 

@@ -55,6 +55,7 @@ bool OcclusionQueries::seen(unsigned name) {
 }
 
 bool OcclusionQueries::seen_now(unsigned name) {
+  if (available(name)) return seen(name);
   ++drawing_.work().blocking_waits;
   const Timeline::Guard guard(drawing_.timeline(), 'W', 1);
   return seen(name);

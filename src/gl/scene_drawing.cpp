@@ -18,7 +18,27 @@ layout(std140, binding = 0) uniform Frame {
   vec4 planes[6];     // world space, inside is >= 0
   vec4 forward;       // w: distance of the near plane
   ivec4 size;         // width, height, number of planes, perspective or not
+  vec4 depth;         // x: share by which interpolated depth may be off
 } frame;
+)";
+
+/// Boxes that are asked about, for whatever asks; follows frame_glsl.
+constexpr char box_glsl[] = R"(
+float rounding_of(vec3 lo, vec3 hi) {
+  vec3 reach = max(abs(lo), abs(hi));
+  return 1e-6 * max(reach.x, max(reach.y, reach.z));
+}
+
+/// A corner (0 or 1 on each axis) in clip space: widened by 1/16 pixel, so that the box covers each pixel centre that
+/// its content covers, and nearer by what the content's depth may be off, but not before the near plane.
+vec4 asked_corner(vec3 lo, vec3 hi, vec3 corner) {
+  vec3 p = mix(lo, hi, corner) - frame.eye.xyz;
+  float w = (frame.clip * vec4(p, 1.0)).w;
+  float wide = frame.eye.w * abs(w) + rounding_of(lo, hi);
+  vec4 q = frame.clip * vec4(p + (2.0 * corner - 1.0) * wide, 1.0);
+  q.z = min(q.z + frame.depth.x * (frame.size.w == 1 ? abs(q.z) : 1.0), max(q.z, q.w));
+  return q;
+}
 )";
 
 constexpr char object_vertex[] = R"(
@@ -53,6 +73,10 @@ flat in uint id;
 layout(location = 0) out vec4 shaded;
 layout(location = 1) out uint object;
 void main() {
+#ifdef LOOSE_DEPTH
+  // The pixel is covered by corners on a grid of 1/256 pixel, its depth follows from corners off the grid.
+  if (fwidth(gl_FragCoord.z) > 500.0 * frame.depth.x * (frame.size.w == 1 ? gl_FragCoord.z : 1.0)) discard;
+#endif
   shaded = vec4(colour, 1.0);
 #ifdef LIT
   vec3 n = cross(dFdx(from_eye), dFdy(from_eye));
@@ -65,16 +89,10 @@ void main() {
 )";
 
 constexpr char box_vertex[] = R"(
-layout(location = 0) in vec3 corner;  // 0 or 1 on each axis
+layout(location = 0) in vec3 corner;
 layout(location = 1) in vec3 lo;
 layout(location = 2) in vec3 hi;
-void main() {
-  vec3 p = mix(lo, hi, corner);
-  float w = (frame.clip * vec4(p - frame.eye.xyz, 1.0)).w;
-  vec3 reach = max(abs(lo), abs(hi));
-  float wide = frame.eye.w * abs(w) + 1e-6 * max(reach.x, max(reach.y, reach.z));
-  gl_Position = frame.clip * vec4(p + (2.0 * corner - 1.0) * wide - frame.eye.xyz, 1.0);
-}
+void main() { gl_Position = asked_corner(lo, hi, corner); }
 )";
 
 constexpr char box_fragment[] = "void main() {}\n";
@@ -88,6 +106,7 @@ struct FrameBlock {
   glm::vec4 planes[6];
   glm::vec4 forward;
   glm::ivec4 size;
+  glm::vec4 depth;
 };
 
 std::uint32_t colour_of(ObjectId id) {
@@ -131,17 +150,20 @@ Aabb bounds_under(const Affine& transform, const Aabb& box) {
 
 }  // namespace
 
-const char* SceneDrawing::frame_block() { return frame_glsl; }
+std::string SceneDrawing::frame_block() { return std::string(frame_glsl) + box_glsl; }
 
 SceneDrawing::SceneDrawing(Context& context, const Scene& scene, const DrawingConfig& config)
     : context_(context), scene_(scene), bounds_(scene.object_bounds()) {
   upload_meshes();
   upload_objects();
   frame_buffer_ = make_buffer(sizeof(FrameBlock));
-  const std::string frame = frame_glsl;
-  const std::string lit = config.lit ? "#define LIT\n" : "";
-  object_program_ = make_program(frame + lit + object_vertex, frame + lit + object_fragment);
-  box_program_ = make_program(frame + box_vertex, std::string("#version 450 core\n") + box_fragment);
+  // Software renderers interpolate between corners that were not snapped to the grid by which they cover pixels: on
+  // triangles seen edge-on the depth may then be any. Hardware interpolates what it covers.
+  depth_tolerance_ = context.software() ? 1.0f / 256.0f : 0.0f;
+  const std::string words =
+      std::string(config.lit ? "#define LIT\n" : "") + (depth_tolerance_ > 0.0f ? "#define LOOSE_DEPTH\n" : "");
+  object_program_ = make_program(frame_glsl + words + object_vertex, frame_glsl + words + object_fragment);
+  box_program_ = make_program(frame_block() + box_vertex, std::string("#version 450 core\n") + box_fragment);
 
   object_array_ = make_vertex_array();
   const GLuint a = object_array_.name();
@@ -270,6 +292,7 @@ void SceneDrawing::begin(const View& view, Target& target) {
   }
   block.forward = glm::vec4(forward_, near_);
   block.size = {view.width, view.height, frustum_.count, view.projection == Projection::perspective ? 1 : 0};
+  block.depth.x = depth_tolerance_;
   glNamedBufferSubData(frame_buffer_.name(), 0, sizeof block, &block);
 
   glBindFramebuffer(GL_FRAMEBUFFER, target.framebuffer());
@@ -379,6 +402,8 @@ void SceneDrawing::draw_indirect(unsigned commands, std::size_t first, unsigned 
   glMultiDrawElementsIndirectCountARB(
       GL_TRIANGLES, GL_UNSIGNED_INT, reinterpret_cast<const void*>(first * sizeof(DrawCommand)),
       static_cast<GLintptr>(count_offset), static_cast<GLsizei>(most), sizeof(DrawCommand));
+  // Mesa 22 takes a bound count for every later indirect draw, also for those that have none.
+  glBindBuffer(GL_PARAMETER_BUFFER_ARB, 0);
   ++work_->draw_calls;
 }
 

@@ -7,6 +7,7 @@
 
 #include <optional>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "gl/context.hpp"
@@ -93,8 +94,8 @@ class SceneDrawing {
   // For methods that run on the device: buffers by object id.
   [[nodiscard]] unsigned bounds_buffer() const { return bounds_buffer_.name(); }      // vec4 lo, vec4 hi
   [[nodiscard]] unsigned commands_buffer() const { return commands_buffer_.name(); }  // DrawCommand
-  /// GLSL: the version line and the block of the frame (clip, eye, planes ...).
-  static const char* frame_block();
+  /// GLSL: the version line, the block of the frame (clip, eye, planes ...), and where a box that is asked about lies.
+  static std::string frame_block();
   /// Binds the frame's block for a program of the caller's.
   void bind_frame() const { glBindBufferBase(GL_UNIFORM_BUFFER, frame_binding, frame_buffer_.name()); }
   /// Leaves every mode: whoever binds programs and state of its own calls this first.
@@ -123,7 +124,7 @@ class SceneDrawing {
   View view_;
   Frustum frustum_;
   glm::vec3 eye_{0.0f}, forward_{0.0f};
-  float near_ = 0.0f, widening_ = 0.0f;
+  float near_ = 0.0f, widening_ = 0.0f, depth_tolerance_ = 0.0f;
   Target* target_ = nullptr;
   Mode mode_ = Mode::none;
   bool boxes_since_draw_ = false;

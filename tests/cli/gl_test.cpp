@@ -45,6 +45,37 @@ TEST_F(GlProgram, WithoutADriverThereIsOneLineAndCodeFour) {
   unsetenv("__EGL_VENDOR_LIBRARY_DIRS");
 }
 
+TEST_F(GlProgram, AnOldOpenGLIsOneLineAndCodeFour) {
+  if (!there_is_gl()) GTEST_SKIP() << "built without OpenGL";
+  const std::vector<std::string> walk{"walk", "generate:city:objects=50", "--method", "gl_chcpp", "--frames", "1"};
+  if (const auto probe = run(walk); probe.code == 4) GTEST_SKIP() << "NO OPENGL HERE: " << probe.err;
+  setenv("MESA_GL_VERSION_OVERRIDE", "3.3", 1);
+  if (run(walk).code == 0) {
+    unsetenv("MESA_GL_VERSION_OVERRIDE");
+    GTEST_SKIP() << "this driver cannot be made to look old";
+  }
+  expect_complaint(walk, 4, "4.5");
+  unsetenv("MESA_GL_VERSION_OVERRIDE");
+}
+
+TEST_F(GlProgram, AMissingExtensionSkipsTheMethodsThatNeedIt) {
+  if (!there_is_gl()) GTEST_SKIP() << "built without OpenGL";
+  const std::vector<std::string> walk{"walk", "generate:city:objects=50", "--method", "gl_hzb", "--frames", "1"};
+  if (const auto probe = run(walk); probe.code == 4) GTEST_SKIP() << "NO OPENGL HERE: " << probe.err;
+  setenv("MESA_EXTENSION_OVERRIDE", "-GL_ARB_indirect_parameters", 1);
+  if (run(walk).code == 0) {
+    unsetenv("MESA_EXTENSION_OVERRIDE");
+    GTEST_SKIP() << "this driver cannot be made to lose an extension";
+  }
+  expect_complaint(walk, 4, "GL_ARB_indirect_parameters");
+  const auto outcome =
+      run({"walk", "generate:city:objects=50", "--method", "gl_raster,gl_chcpp", "--frames", "1", "--size", "64x36"});
+  EXPECT_EQ(outcome.code, 0) << outcome.err;
+  EXPECT_NE(outcome.err.find("gl_raster: skipped: "), std::string::npos) << outcome.err;
+  EXPECT_NE(outcome.out.find("gl_chcpp"), std::string::npos) << outcome.out;
+  unsetenv("MESA_EXTENSION_OVERRIDE");
+}
+
 TEST_F(GlProgram, TraceNeedsAMethodThatHasATimeline) {
   expect_complaint({"walk", "generate:city:objects=50", "--method", "frustum_linear", "--frames", "1", "--trace",
                     file("trace.json")},
@@ -62,6 +93,24 @@ TEST_F(GlProgram, QueriesGivesARowForEachBunch) {
   EXPECT_EQ(rows.back().at("bunch"), 4096);
   for (const auto& row : rows) EXPECT_GT(row.at("per_second").get<double>(), 0.0);
   EXPECT_TRUE(cli_test::read_file(file("q.svg")).starts_with("<svg"));
+}
+
+TEST_F(GlProgram, QueriesOfASceneCountsStateChanges) {
+  const auto outcome = run({"queries", "--scene", "generate:city:objects=600", "--frames", "12", "--size", "160x90",
+                            "--json", "-", "--picture", file("s.svg")});
+  if (outcome.code == 4) GTEST_SKIP() << "NO OPENGL HERE: " << outcome.err;
+  ASSERT_EQ(outcome.code, 0) << outcome.err;
+  const auto methods = outcome.json().at("methods");
+  ASSERT_EQ(methods.size(), 3u);
+  std::array<int, 3> changes{};
+  for (std::size_t m = 0; m < 3; ++m) {
+    ASSERT_EQ(methods[m].at("state_changes").size(), 12u);
+    for (const auto& n : methods[m].at("state_changes")) changes[m] += n.get<int>();
+  }
+  EXPECT_GT(changes[1], 0);
+  EXPECT_LT(changes[2], changes[1] / 4);  // batches
+  EXPECT_NE(cli_test::read_file(file("s.svg")).find("gl_chcpp"), std::string::npos);
+  expect_complaint({"queries", "--frames", "3"}, 2, "--scene");
 }
 
 TEST_F(GlProgram, PersistenceMeasuresAndFits) {
