@@ -180,7 +180,7 @@ class SahBuilder {
     const std::uint32_t count = task.end - task.begin;
     if (count <= 1) return false;
     const bool may_be_leaf = count <= static_cast<std::uint32_t>(config_.max_leaf_size);
-    bins_ = count > 64 ? most_bins : 8;
+    bins_ = count > 64 ? most_bins : count > 8 ? 8 : 4;
     Split split;
     find_split(task, split);
     if (may_be_leaf) {
