@@ -109,7 +109,7 @@ class Collapse {
   }
 
   const Bvh& bvh_;
-  std::vector<Weight> weights_;
+  PagedVector<Weight> weights_;
 };
 
 /// Exponent of the least power of two of which 255 span the extent, biased as in a float.

@@ -9,6 +9,7 @@
 
 #include "sightline/geometry/frustum.hpp"
 #include "sightline/index/bvh.hpp"
+#include "sightline/index/large_pages.hpp"
 #include "sightline/index/trace.hpp"
 
 namespace sightline {
@@ -36,10 +37,10 @@ inline constexpr std::uint32_t bvh8_words_per_triangle = 10;  // place and nine 
 
 struct Bvh8 {
   TraceSpace space;
-  std::vector<Bvh8Node> nodes;  // nodes[0] is the root; empty if there is nothing to hit
+  PagedVector<Bvh8Node> nodes;  // nodes[0] is the root; empty if there is nothing to hit
   /// 32-bit words. A leaf of k triangles from triangle f on is the k places in the soup at word 10 f, then k ax, k ay,
   /// k az, k bx and so on: loaded as vectors without padding between leaves.
-  std::vector<std::uint32_t> triangles;
+  PagedVector<std::uint32_t> triangles;
   std::uint32_t triangle_count = 0;
   int depth = 0;
 

@@ -326,6 +326,7 @@ void walk_segments(const Bvh8& tree, const Segment* segments, const std::uint32_
   constexpr std::size_t remembered = 4;
   std::uint32_t occluders[remembered] = {};
   std::size_t known = 0;
+  int worth = 16;  // trying them, lately; else only every 16th segment does
   for (std::size_t i = 0; i < count; ++i) {
     const Segment& s = segments[order[i]];
     TraceRay ray;
@@ -333,12 +334,15 @@ void walk_segments(const Bvh8& tree, const Segment* segments, const std::uint32_
     answer = 1;
     if (!prepare(segment_ray(s.a, s.b, clearance), tree.space, ray)) continue;
     RayHit best{ray.t_far, no_triangle};
-    for (std::size_t k = 0; k < known && answer != 0; ++k) {
-      if (!try_leaf(tree, occluders[k], ray, best)) continue;
-      answer = 0;
-      std::swap(occluders[k], occluders[k / 2]);
+    if (worth > 0 || i % 16 == 0) {
+      for (std::size_t k = 0; k < known && answer != 0; ++k) {
+        if (!try_leaf(tree, occluders[k], ray, best)) continue;
+        answer = 0;
+        std::swap(occluders[k], occluders[k / 2]);
+      }
+      worth = answer == 0 ? std::min(worth + 4, 64) : std::max(worth - 1, 0);
+      if (answer == 0) continue;
     }
-    if (answer == 0) continue;
     std::uint32_t occluder = 0;
     if (!walk<true, false>(tree, ray, nullptr, occluder).found()) continue;
     answer = 0;

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "sightline/index/bvh_builders.hpp"
+#include "sightline/index/large_pages.hpp"
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "sightline/index/bvh_sah.cpp"
@@ -327,7 +328,7 @@ class SahBuilder {
   }
 
   BvhBuildConfig config_;
-  std::vector<Reference> references_;
+  PagedVector<Reference> references_;
   int bins_ = most_bins;
   Extent bin_[most_bins][3];
   std::uint32_t count_[3][most_bins] = {};

@@ -32,24 +32,6 @@ struct TraceCounters {
   std::vector<std::uint32_t>* tested = nullptr;
 };
 
-/// Triangles that a ray has been tested against lately, for structures that keep a triangle in several cells (E24,
-/// mailboxing without memory shared between rays).
-class Mailbox {
- public:
-  Mailbox() { std::fill(last_, last_ + slots, no_triangle); }
-  /// True the first time, and again once another triangle took the slot.
-  bool enter(std::uint32_t triangle) {
-    std::uint32_t& slot = last_[triangle % slots];
-    if (slot == triangle) return false;
-    slot = triangle;
-    return true;
-  }
-
- private:
-  static constexpr std::size_t slots = 32;
-  std::uint32_t last_[slots];
-};
-
 /// The space that the triangles of a soup fill, and how far things are moved to the safe side in it.
 struct TraceSpace {
   Aabb bounds;
