@@ -57,7 +57,8 @@ class Builder {
     std::vector<std::uint32_t> items;
   };
 
-  /// False if the plane of principal axes leaves too many triangles on both sides to gain anything (E26).
+  /// False if the plane of principal axes leaves too many triangles on both sides to gain anything (E26), or the tree
+  /// would hold triangles more than five times on average.
   bool part(const Task& task, std::vector<std::uint32_t>& behind, std::vector<std::uint32_t>& front) {
     centres_.clear();
     for (const std::uint32_t item : task.items) {
@@ -78,12 +79,17 @@ class Builder {
       if (least <= margin_) behind.push_back(item);
       if (most >= -margin_) front.push_back(item);
     }
-    return 10 * std::max(behind.size(), front.size()) <= 9 * task.items.size();
+    const std::size_t all = task.items.size(), twice = behind.size() + front.size() - all;
+    if (10 * std::max(behind.size(), front.size()) > 9 * all || 4 * twice > all) return false;
+    if (repeated_ + twice > 4 * soup_.size()) return false;
+    repeated_ += twice;
+    return true;
   }
 
   const TriangleSoup& soup_;
   PlaneTreeConfig config_;
   double margin_ = 0.0;
+  std::size_t repeated_ = 0;
   std::vector<glm::dvec3> centres_;
   PlaneTree tree_;
 };
