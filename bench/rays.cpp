@@ -1,8 +1,6 @@
 // bench_rays [SCENE.glb | KIND TRIANGLES]: rays against one scene on one core, our structures and Embree interleaved,
 // same rays (camera, diffuse bounce, random), results compared ray by ray first; then segment visibility, builds and
 // memory. Default: a generated city of a million triangles. Exits 1 if a hit is wrong, before anything is timed.
-#include <embree3/rtcore.h>
-
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -11,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "embree_rays.hpp"
 #include "sightline/index/bvh8.hpp"
 #include "sightline/index/bvh_builders.hpp"
 #include "sightline/index/tracer.hpp"
@@ -39,73 +38,6 @@ double median(std::vector<double> values) {
   std::sort(values.begin(), values.end());
   return values[values.size() / 2];
 }
-
-/// Embree over the same triangles as one geometry.
-class Embree {
- public:
-  Embree(const TriangleSoup& soup, RTCSceneFlags flags)
-      : device_(rtcNewDevice("threads=1")), scene_(rtcNewScene(device_)) {
-    rtcSetSceneFlags(scene_, flags);
-    RTCGeometry geometry = rtcNewGeometry(device_, RTC_GEOMETRY_TYPE_TRIANGLE);
-    auto* vertices = static_cast<glm::vec3*>(rtcSetNewGeometryBuffer(
-        geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, sizeof(glm::vec3), soup.corners.size()));
-    std::copy(soup.corners.begin(), soup.corners.end(), vertices);
-    auto* indices = static_cast<std::uint32_t*>(
-        rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, 12, soup.size()));
-    for (std::uint32_t i = 0; i < 3 * soup.size(); ++i) indices[i] = i;
-    rtcCommitGeometry(geometry);
-    rtcAttachGeometry(scene_, geometry);
-    rtcReleaseGeometry(geometry);
-    const double start = cpu_seconds();
-    rtcCommitScene(scene_);
-    build_seconds = cpu_seconds() - start;
-  }
-  ~Embree() {
-    rtcReleaseScene(scene_);
-    rtcReleaseDevice(device_);
-  }
-  Embree(const Embree&) = delete;
-  Embree& operator=(const Embree&) = delete;
-
-  [[nodiscard]] RayHit nearest(const Ray& ray) const {
-    RTCRayHit r;
-    set(r.ray, ray);
-    r.hit.geomID = RTC_INVALID_GEOMETRY_ID;
-    r.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
-    RTCIntersectContext context;
-    rtcInitIntersectContext(&context);
-    rtcIntersect1(scene_, &context, &r);
-    if (r.hit.geomID == RTC_INVALID_GEOMETRY_ID) return {};
-    return {r.ray.tfar, r.hit.primID};
-  }
-  [[nodiscard]] bool any(const Ray& ray) const {
-    RTCRay r;
-    set(r, ray);
-    RTCIntersectContext context;
-    rtcInitIntersectContext(&context);
-    rtcOccluded1(scene_, &context, &r);
-    return r.tfar < 0.0f;
-  }
-  double build_seconds = 0.0;
-
- private:
-  static void set(RTCRay& r, const Ray& ray) {
-    r.org_x = ray.origin.x;
-    r.org_y = ray.origin.y;
-    r.org_z = ray.origin.z;
-    r.dir_x = ray.direction.x;
-    r.dir_y = ray.direction.y;
-    r.dir_z = ray.direction.z;
-    r.tnear = ray.t_near;
-    r.tfar = ray.t_far;
-    r.time = 0.0f;
-    r.mask = 0xFFFFFFFFu;
-    r.id = 0;
-    r.flags = 0;
-  }
-  RTCDevice device_;
-  RTCScene scene_;
-};
 
 struct RaySet {
   std::string name;
@@ -252,7 +184,7 @@ std::vector<Segment> light_segments(const Aabb& bounds, const std::vector<Ray>& 
   return segments;
 }
 
-bool time_segments(const char* name, const Embree& embree, const Bvh8& tree, const std::vector<Segment>& segments) {
+bool time_segments(const char* name, const EmbreeRays& embree, const Bvh8& tree, const std::vector<Segment>& segments) {
   std::vector<std::uint8_t> truth(segments.size()), one(segments.size()), batched(segments.size());
   const std::function<void()> works[] = {
       [&] {
@@ -327,8 +259,11 @@ int run(const Scene& scene) {
   const ThreadLimit one(1);
   const TriangleSoup soup = soup_of(scene);
   std::printf("%zu triangles\n", soup.size());
-  const Embree fast(soup, RTC_SCENE_FLAG_NONE), robust(soup, RTC_SCENE_FLAG_ROBUST);
-  std::printf("embree build %.2f M triangles/s\n", 1e-6 * static_cast<double>(soup.size()) / robust.build_seconds);
+  EmbreeRays fast(soup, RTC_SCENE_FLAG_NONE, "threads=1"), robust(soup, RTC_SCENE_FLAG_ROBUST, "threads=1");
+  fast.build();
+  const double start = cpu_seconds();
+  robust.build();
+  std::printf("embree build %.2f M triangles/s\n", 1e-6 * static_cast<double>(soup.size()) / (cpu_seconds() - start));
   const std::vector<Aabb> boxes = bounds_of_triangles(soup);
   const BvhBuildConfig config{.max_leaf_size = static_cast<int>(bvh8_leaf_limit)};
   const Bvh8 sah = build_bvh8(soup), linear = widen(build_bvh_linear(boxes, config), soup);

@@ -43,21 +43,33 @@ struct Result {
   Bsp bsp;
   double ms = 0.0;
   bool complete = true;
+  double share = 1.0;  // of the work that was done
 };
 
 Result build(const BspOptions& options, const PolygonSet& polygons, const std::string& splitter) {
-  Result result{splitter, {}, 0.0, true};
+  Result result{splitter, {}, 0.0, true, 1.0};
   BspConfig config;
   config.seed = options.common.seed;
   config.most_fragments = static_cast<std::size_t>(options.most_fragments);
   (void)read_splitter(splitter, config.splitter);
   const auto start = std::chrono::steady_clock::now();
+  const auto ms = [&] {
+    return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
+  };
+  constexpr std::size_t steps = 1000;
+  Progress progress(splitter, steps, options.common.quiet);
+  config.go_on = [&](double share) {
+    result.share = share;
+    progress.show(static_cast<std::size_t>(share * static_cast<double>(steps)));
+    return ms() <= 1e3 * options.most_seconds;
+  };
   try {
     result.bsp = build_bsp(polygons, config);
+    progress.show(steps);
   } catch (const std::length_error&) {
     result.complete = false;
   }
-  result.ms = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
+  result.ms = ms();
   return result;
 }
 
@@ -198,8 +210,10 @@ int run_bsp(const BspOptions& options) {
     const Bsp& bsp = result.bsp;
     if (!result.complete) {
       if (print)
-        fmt::print("{:<14} {:>10} more than {} fragments: given up after {:.0f} ms\n", splitter, polygons.size(),
-                   options.most_fragments, result.ms);
+        fmt::print("{:<14} {:>10} given up after {:.1f} s with about {:.1f} % done ({})\n", splitter, polygons.size(),
+                   1e-3 * result.ms, 100.0 * result.share,
+                   result.ms > 1e3 * options.most_seconds ? "--most-seconds" : "--most-fragments");
+      std::fflush(stdout);
       json["trees"].push_back({{"splitter", splitter}, {"polygons", polygons.size()}, {"complete", false}});
       continue;
     }
@@ -208,6 +222,7 @@ int run_bsp(const BspOptions& options) {
     if (print)
       fmt::print("{:<14} {:>10} {:>10} {:>7.3f} {:>10} {:>7} {:>8} {:>11.1f}\n", splitter, polygons.size(),
                  bsp.fragments.size(), ratio, bsp.nodes.size(), bsp.depth, bsp.dropped, result.ms);
+    std::fflush(stdout);  // the next tree may take long
     Json row{{"splitter", splitter}, {"polygons", polygons.size()},
              {"complete", true},     {"fragments", bsp.fragments.size()},
              {"ratio", ratio},       {"nodes", bsp.nodes.size()},

@@ -14,6 +14,8 @@ void add_bsp(CLI::App& app, BspOptions& options) {
            "mixed,fewest_splits,balance,random,pca",
            [&options](const std::string& text) { options.splitters = parse_names("--splitter", text); });
   add_whole(app, "--most-fragments", "a tree of more is given up", options.most_fragments, 1, 1'000'000'000);
+  add_text(app, "--most-seconds", "SECONDS", "a tree that takes longer is given up", "60",
+           [&options](const std::string& text) { options.most_seconds = parse_positive("--most-seconds", text); });
   app.add_option("-o,--output", options.output, "a picture of a horizontal cut through the first tree, .png")
       ->type_name("FILE");
   add_text(app, "--height", "METRES", "of the cut [the middle of the scene]", "",

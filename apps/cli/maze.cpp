@@ -1,4 +1,4 @@
-// sightline maze: a maze drawn by the column caster, as a picture or in colour blocks of the terminal.
+// sightline maze: a maze drawn by the column caster, as a picture, in a window, or in colour blocks of the terminal.
 #include <fmt/format.h>
 #include <poll.h>
 #include <sys/ioctl.h>
@@ -7,11 +7,17 @@
 
 #include <chrono>
 #include <cmath>
+#include <cstdlib>
 
 #include "json_output.hpp"
 #include "picture.hpp"
 #include "query_options.hpp"
 #include "sightline/surface/column_cast.hpp"
+
+#ifdef SIGHTLINE_VIEWER
+#include "gl/context.hpp"
+#include "viewer/picture_window.hpp"
+#endif
 
 namespace sightline::cli {
 namespace {
@@ -111,9 +117,38 @@ std::string blocks(const Frame& frame) {
   return text;
 }
 
-int play(const MazeOptions& options, const GridMap& map) {
+#ifdef SIGHTLINE_VIEWER
+bool there_is_a_display() { return std::getenv("DISPLAY") != nullptr || std::getenv("WAYLAND_DISPLAY") != nullptr; }
+
+int play_in_a_window(const MazeOptions& options, const GridMap& map) {
+  Walker walker = at_the_start(map, options);
+  ColumnCastConfig config;
+  config.correct_fisheye = !options.fisheye;
+  try {
+    viewer::run_picture_window("sightline maze: w a s d or arrows, q ends", options.width, options.height,
+                               [&](double seconds, const viewer::HeldKeys& keys, int width, int height, Frame& frame) {
+                                 constexpr double metres = 2.0, radians = 1.8;  // per second
+                                 const auto way = [](bool one, bool other) {
+                                   return (one ? 1.0 : 0.0) - (other ? 1.0 : 0.0);
+                                 };
+                                 walker.angle += seconds * radians * way(keys.turn_right, keys.turn_left);
+                                 step(walker, map, seconds * metres * way(keys.forward, keys.back),
+                                      seconds * metres * way(keys.right, keys.left));
+                                 Counters counters;
+                                 column_cast(map, view_of(walker, width, height, options.fov), config, frame, counters);
+                               });
+  } catch (const gl::Unavailable& error) {
+    fmt::print(stderr, "sightline: {}\n", error.what());
+    return exit_internal;
+  }
+  if (!options.common.quiet) fmt::print("stopped at {:.2f} {:.2f}\n", walker.x, walker.z);
+  return exit_ok;
+}
+#endif
+
+int play_in_the_terminal(const MazeOptions& options, const GridMap& map) {
   if (isatty(STDIN_FILENO) == 0 || isatty(STDOUT_FILENO) == 0)
-    throw UsageError("--play: needs a terminal; -o FILE writes a picture");
+    throw UsageError("--play: needs a display or a terminal; -o FILE writes a picture");
   const RawTerminal terminal;
   Walker walker = at_the_start(map, options);
   ColumnCastConfig config;
@@ -169,7 +204,12 @@ Picture picture_of(const Frame& frame) {
 
 int run_maze(const MazeOptions& options) {
   const GridMap map = make_maze(options.cells_x, options.cells_z, options.common.seed, 0.12);
-  if (options.play) return play(options, map);
+  if (options.play) {
+#ifdef SIGHTLINE_VIEWER
+    if (there_is_a_display()) return play_in_a_window(options, map);
+#endif
+    return play_in_the_terminal(options, map);
+  }
   if (options.output.empty()) throw UsageError("-o FILE or --play is needed");
   OutputFile file(options.output);
   JsonOutput output(options.common);

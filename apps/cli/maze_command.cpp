@@ -27,7 +27,9 @@ void add_maze(CLI::App& app, MazeOptions& options) {
            });
   app.add_flag("--fisheye", options.fisheye, "leave out the correction of distances, to see what it is for");
   CLI::Option* file = app.add_option("-o,--output", options.output, "the file to write, .png")->type_name("FILE");
-  app.add_flag("--play", options.play, "walk in the terminal: w a s d or arrows, q ends")->excludes(file);
+  app.add_flag("--play", options.play,
+               "walk, in a window or without a display in the terminal: w a s d or arrows, q ends")
+      ->excludes(file);
   add_common(app, options.common);
   app.footer(
       "Examples:\n  sightline maze -o maze.png\n  sightline maze --seed 7 --fisheye -o bent.png\n"

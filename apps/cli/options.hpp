@@ -229,6 +229,7 @@ struct StructuresOptions {
   std::uint32_t rays = 100000;       // of each kind
   std::string plot;                  // SVG file of the figures, empty for none
   std::string cells;                 // SVG file of quadtree and kd-tree seen from above, empty for none
+  std::string octree;                // SVG file of an octree, empty for none
 };
 
 }  // namespace sightline::cli

@@ -25,6 +25,7 @@ struct BspOptions {
   std::string scene;  // a scene, or "worked-example"
   std::vector<std::string> splitters{"mixed", "fewest_splits", "balance", "random", "pca"};
   std::uint64_t most_fragments = 20'000'000;
+  double most_seconds = 60.0;    // for each tree
   std::string output;            // a picture of a horizontal cut; empty for none
   std::optional<double> height;  // of the cut
   int width = 960;               // of the picture

@@ -238,9 +238,10 @@ std::string plot(const std::vector<Row>& rows, const std::vector<RaySet>& sets, 
 
 int run_structures(const StructuresOptions& options) {
   const std::vector<const TracerKind*> kinds = chosen(options);
-  std::optional<OutputFile> plot_file, cells_file;
+  std::optional<OutputFile> plot_file, cells_file, octree_file;
   if (!options.plot.empty()) plot_file.emplace(options.plot);
   if (!options.cells.empty()) cells_file.emplace(options.cells);
+  if (!options.octree.empty()) octree_file.emplace(options.octree);
   JsonOutput output(options.common);
   const bool example = options.scene == "example";
   TriangleSoup soup;
@@ -256,6 +257,10 @@ int run_structures(const StructuresOptions& options) {
   if (cells_file) {
     cells_file->write(draw_cells(soup, example ? 4 : 7, example ? "rbc" : ""));
     cells_file->commit();
+  }
+  if (octree_file) {
+    octree_file->write(draw_octree(soup));
+    octree_file->commit();
   }
   const std::vector<Row> rows = compare(kinds, soup, sets, options.common.quiet);
   if (plot_file) {

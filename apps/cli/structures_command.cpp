@@ -16,6 +16,7 @@ void add_structures(CLI::App& app, StructuresOptions& options) {
   add_whole(app, "--rays", "rays of each kind", options.rays, 1, 100'000'000);
   app.add_option("--plot", options.plot, "write the figures as a picture, .svg")->type_name("FILE");
   app.add_option("--cells", options.cells, "write quadtree and kd-tree seen from above, .svg")->type_name("FILE");
+  app.add_option("--octree", options.octree, "write an octree of three generations, .svg")->type_name("FILE");
   add_common(app, options.common);
   app.footer(
       "Examples:\n  sightline structures castle.glb --plot structures.svg\n"

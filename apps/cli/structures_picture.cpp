@@ -178,6 +178,49 @@ std::string draw_cells(const TriangleSoup& soup, int generations, const std::str
   return svg + "</svg>\n";
 }
 
+std::string draw_octree(const TriangleSoup& soup) {
+  constexpr double panel = 330;
+  std::string svg = svg_head(3 * panel, panel + 50);
+  for (int depth = 0; depth < 3; ++depth) {
+    // A depth of 0 would mean "chosen by size".
+    const AxisTree tree =
+        build_axis_tree(soup, {.leaf_size = depth == 0 ? ~0u : 1u, .node_cost = 0.0f, .max_depth = std::max(depth, 1)});
+    struct Filled {
+      Aabb cell;
+      double distance;
+    };
+    std::vector<Filled> cells;
+    std::size_t nodes = 0;
+    for_each_cell(tree, [&](const Aabb& cell, int, const AxisNode& node) {
+      ++nodes;
+      const glm::vec3 c = cell.centre();
+      if (node.axes == 0 && node.count > 0) cells.push_back({cell, static_cast<double>(c.x + c.y + c.z)});
+    });
+    std::sort(cells.begin(), cells.end(), [](const Filled& a, const Filled& b) { return a.distance < b.distance; });
+    const double left = depth * panel,
+                 scale = 0.55 * panel / std::max(1e-6, static_cast<double>(tree.bounds.extent().x));
+    const glm::vec3 middle = tree.bounds.centre();
+    // Isometric, from +x +y +z.
+    const auto point = [&](const glm::vec3& p) {
+      const glm::dvec3 d(p - middle);
+      return fmt::format("{:.1f},{:.1f}", left + 0.5 * panel + scale * 0.866 * (d.x - d.z),
+                         30 + 0.5 * panel + scale * (0.5 * (d.x + d.z) - d.y));
+    };
+    svg += fmt::format("<text x='{}' y='20' font-size='16'>({}) {} node{}, {} filled</text>\n", left + 20,
+                       static_cast<char>('a' + depth), nodes, nodes == 1 ? "" : "s", cells.size());
+    for (const Filled& filled : cells) {
+      const auto corner = [&](int i) { return point(filled.cell.corner(i)); };
+      constexpr int faces[3][4] = {{1, 3, 7, 5}, {2, 3, 7, 6}, {4, 5, 7, 6}};  // those that are seen
+      constexpr const char* shades[3] = {"#8fb4d4", "#c9dcec", "#6f9bc0"};
+      for (std::size_t f = 0; f < 3; ++f)
+        svg +=
+            fmt::format("<path d='M{}L{}L{}L{}Z' fill='{}' stroke='#333' stroke-width='0.7'/>\n", corner(faces[f][0]),
+                        corner(faces[f][1]), corner(faces[f][2]), corner(faces[f][3]), shades[f]);
+    }
+  }
+  return svg + "</svg>\n";
+}
+
 TriangleSoup plane_example() {
   TriangleSoup soup;
   add_fan(soup, {{1.6f, 6.1f}, {2.0f, 5.7f}, {7.3f, 11.0f}, {6.9f, 11.4f}});

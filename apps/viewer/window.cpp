@@ -1,6 +1,3 @@
-#include <epoxy/gl.h>
-// epoxy before GLFW, which would bring its own declarations of OpenGL
-#include <GLFW/glfw3.h>
 #include <backends/imgui_impl_glfw.h>
 #include <backends/imgui_impl_opengl3.h>
 #include <imgui.h>
@@ -8,60 +5,29 @@
 #include <string>
 
 #include "gl/presentation.hpp"
+#include "viewer/glfw_window.hpp"
 #include "viewer/panel.hpp"
 #include "viewer/viewer.hpp"
 
 namespace sightline::viewer {
 namespace {
 
-std::string last_error() {
-  const char* text = nullptr;
-  glfwGetError(&text);
-  return text == nullptr ? "unknown reason" : text;
-}
-
-/// The window, its OpenGL and its widgets, gone with it.
-class Window {
+/// The widgets of a window; made after its callbacks are set, as they pass on what they do not want.
+class Widgets {
  public:
-  Window(int width, int height, const std::string& title) {
-    if (glfwInit() != GLFW_TRUE) throw gl::Unavailable("no window can be opened: " + last_error());
-    glfwWindowHint(GLFW_CONTEXT_VERSION_MAJOR, 4);
-    glfwWindowHint(GLFW_CONTEXT_VERSION_MINOR, 5);
-    glfwWindowHint(GLFW_OPENGL_PROFILE, GLFW_OPENGL_CORE_PROFILE);
-    window_ = glfwCreateWindow(width, height, title.c_str(), nullptr, nullptr);
-    if (window_ == nullptr) {
-      const std::string reason = last_error();
-      glfwTerminate();
-      throw gl::Unavailable("no window with OpenGL 4.5 can be opened: " + reason);
-    }
-    glfwMakeContextCurrent(window_);
-    glfwSwapInterval(1);
-  }
-  ~Window() {
-    if (widgets_) {
-      ImGui_ImplOpenGL3_Shutdown();
-      ImGui_ImplGlfw_Shutdown();
-      ImGui::DestroyContext();
-    }
-    glfwDestroyWindow(window_);
-    glfwTerminate();
-  }
-  Window(const Window&) = delete;
-  Window& operator=(const Window&) = delete;
-
-  /// After the callbacks are set, as the widgets pass on what they do not want.
-  void start_widgets() {
+  explicit Widgets(GLFWwindow* window) {
     ImGui::CreateContext();
     ImGui::GetIO().IniFilename = nullptr;
-    ImGui_ImplGlfw_InitForOpenGL(window_, true);
+    ImGui_ImplGlfw_InitForOpenGL(window, true);
     ImGui_ImplOpenGL3_Init("#version 450 core");
-    widgets_ = true;
   }
-  [[nodiscard]] GLFWwindow* get() const { return window_; }
-
- private:
-  GLFWwindow* window_ = nullptr;
-  bool widgets_ = false;
+  ~Widgets() {
+    ImGui_ImplOpenGL3_Shutdown();
+    ImGui_ImplGlfw_Shutdown();
+    ImGui::DestroyContext();
+  }
+  Widgets(const Widgets&) = delete;
+  Widgets& operator=(const Widgets&) = delete;
 };
 
 /// What the mouse and keys say, until the next frame takes it.
@@ -125,7 +91,7 @@ Motion motion(GLFWwindow* window) {
 }  // namespace
 
 void run_window(SessionConfig config, const IndexedScene& scene, int width, int height) {
-  Window window(width, height, "sightline " + config.scene_argument);
+  const GlfwWindow window(width, height, "sightline " + config.scene_argument);
   gl::Context context = gl::Context::of_current();
   Session session(std::move(config), scene, context);
   gl::Presentation presentation(context);
@@ -136,7 +102,7 @@ void run_window(SessionConfig config, const IndexedScene& scene, int width, int 
   glfwSetCursorPosCallback(window.get(), on_move);
   glfwSetMouseButtonCallback(window.get(), on_button);
   glfwSetScrollCallback(window.get(), on_wheel);
-  window.start_widgets();
+  const Widgets widgets(window.get());
   double last = glfwGetTime();
   while (glfwWindowShouldClose(window.get()) == GLFW_FALSE && !session.quit()) {
     glfwPollEvents();

@@ -46,6 +46,21 @@ TEST_F(Structures, TheKdTreeNeedsFewerCellsThanTheQuadtree) {
   EXPECT_LT(leaves(svg.find("8 generations")), leaves(svg.find("4 generations")));
 }
 
+TEST_F(Structures, TheOctreeFigureHasThreeParts) {  // 14.11
+  const Outcome outcome =
+      run({"structures", "generate:city:objects=30", "--rays", "10", "--structure", "bvh8", "--octree", file("o.svg")});
+  ASSERT_EQ(outcome.code, 0) << outcome.err;
+  const std::string svg = read_file(file("o.svg"));
+  const auto nodes = [&](const std::string& part) {
+    const std::size_t at = svg.find("(" + part + ") ");
+    return at == std::string::npos ? -1 : std::stoi(svg.substr(at + 4));
+  };
+  EXPECT_EQ(nodes("a"), 1);
+  EXPECT_EQ(nodes("b"), 9) << "every inner node has eight children";
+  EXPECT_GT(nodes("c"), 9);
+  EXPECT_EQ(nodes("c") % 8, 1);
+}
+
 TEST_F(Structures, Complains) {
   expect_complaint({"structures", "generate:city:objects=20", "--structure", "bvh9"}, 2, "bvh9");
   expect_complaint({"structures", "generate:city:objects=20", "--rays", "0"}, 2, "--rays");

@@ -1,5 +1,8 @@
 // sightline view as a person starts it: a picture without a display, a window under Xvfb with keys pressed, bad input.
+#include <cmath>
+#include <cstdio>
 #include <cstdlib>
+#include <filesystem>
 
 #include "cli/program.hpp"
 
@@ -11,6 +14,7 @@ class View : public ProgramTest {
   [[nodiscard]] static bool there_is(const std::string& program) {
     return std::system(("command -v " + program + " >/dev/null 2>&1").c_str()) == 0;
   }
+  [[nodiscard]] static bool there_is_xvfb() { return there_is("xvfb-run") && there_is("xdotool"); }
 };
 
 TEST_F(View, DrawsAPictureWithoutADisplay) {
@@ -37,23 +41,46 @@ TEST_F(View, WithoutADisplayIsOneLine) {
   expect_complaint({"view", "generate:city:objects=10"}, 4, "window");
 }
 
-TEST_F(View, KeysReachTheWindow) {
-  if (!there_is("xvfb-run") || !there_is("xdotool")) GTEST_SKIP() << "NO XVFB: xvfb-run or xdotool is missing";
-  // Escape must end the program with 0; the other keys must not end it. The script prints how long it lived.
-  const std::string script =
-      std::string("'") + SIGHTLINE_TOOL +
-      "' view generate:city:objects=60 --size 320x200 & pid=$!; "
-      "for i in $(seq 100); do xdotool search --name sightline >/dev/null 2>&1 && break; sleep 0.2; done; sleep 1; "
-      "for key in c v b z o m question n space; do xdotool key $key; sleep 0.1; done; "
-      "kill -0 $pid || exit 41; xdotool key Escape; "
-      "for i in $(seq 100); do kill -0 $pid 2>/dev/null || break; sleep 0.1; done; "
-      "kill -9 $pid 2>/dev/null && exit 42; wait $pid";
+/// Starts the program under Xvfb, runs `keys` once its window is there, and waits for its end; what it and the shell
+/// wrote goes to `log`. Returns the program's exit code, 41 if it ended before the keys, 42 if it did not end after.
+int with_window(const std::string& arguments, const std::string& keys, const std::string& last_key,
+                const std::filesystem::path& log) {
+  const std::string script = std::string("'") + SIGHTLINE_TOOL + "' " + arguments +
+                             " & pid=$!; "
+                             "for i in $(seq 100); do xdotool search --name sightline >/dev/null 2>&1 && break; sleep "
+                             "0.2; done; sleep 1; " +
+                             keys + " kill -0 $pid || exit 41; xdotool key " + last_key +
+                             "; "
+                             "for i in $(seq 100); do kill -0 $pid 2>/dev/null || break; sleep 0.1; done; "
+                             "kill -9 $pid 2>/dev/null && exit 42; wait $pid";
   std::string escaped;
   for (const char c : script) escaped += c == '$' ? std::string("\\$") : std::string(1, c);
   const int status = std::system(
-      ("xvfb-run -a -s '-screen 0 320x200x24' bash -c \"" + escaped + "\" > '" + file("log").string() + "' 2>&1")
-          .c_str());
-  EXPECT_EQ(WEXITSTATUS(status), 0) << read_file(file("log"));
+      ("xvfb-run -a -s '-screen 0 320x200x24' bash -c \"" + escaped + "\" > '" + log.string() + "' 2>&1").c_str());
+  return WEXITSTATUS(status);
+}
+
+TEST_F(View, KeysReachTheWindow) {
+  if (!there_is_xvfb()) GTEST_SKIP() << "NO XVFB: xvfb-run or xdotool is missing";
+  // Escape must end the program with 0; the other keys must not end it.
+  EXPECT_EQ(with_window("view generate:city:objects=60 --size 320x200",
+                        "for key in c v b z o m question n space; do xdotool key $key; sleep 0.1; done;", "Escape",
+                        file("log")),
+            0)
+      << read_file(file("log"));
+}
+
+TEST_F(View, TheMazeIsWalkedInAWindow) {  // 13.17
+  if (!there_is_xvfb()) GTEST_SKIP() << "NO XVFB: xvfb-run or xdotool is missing";
+  EXPECT_EQ(
+      with_window("maze --play --size 320x200", "xdotool keydown w; sleep 0.7; xdotool keyup w;", "q", file("log")), 0)
+      << read_file(file("log"));
+  const std::string log = read_file(file("log"));
+  const std::size_t at = log.find("stopped at ");
+  ASSERT_NE(at, std::string::npos) << log;
+  double x = 0, z = 0;
+  ASSERT_EQ(std::sscanf(log.c_str() + at, "stopped at %lf %lf", &x, &z), 2);
+  EXPECT_GT(std::abs(x - 1.5) + std::abs(z - 1.5), 0.3) << "the walker did not move";
 }
 
 }  // namespace

@@ -370,6 +370,21 @@ TEST(BvhBuilders, EveryBoxOnceWithinItsNodes) {
     }
 }
 
+TEST(Grid, HoldsAFewCellsForEachTriangleAndNeverMoreThanAsked) {  // 14.02, 14.03
+  const TriangleSoup soup = soup_of(generate_scene("city", {.objects = 60}));
+  const auto cells = [](const Grid& grid) {
+    return static_cast<double>(grid.resolution.x) * grid.resolution.y * grid.resolution.z;
+  };
+  const double n = static_cast<double>(soup.size());
+  const Grid grid = build_grid(soup);
+  EXPECT_GT(cells(grid), 0.5 * n);
+  EXPECT_LT(cells(grid), 8.0 * n);
+  const Grid finer = build_grid(soup, {.cells_per_triangle = 16.0});
+  EXPECT_GT(cells(finer), 4.0 * cells(grid));
+  EXPECT_GT(finer.bytes(), grid.bytes());
+  EXPECT_LE(cells(build_grid(soup, {.cells_per_triangle = 1e6, .most_cells = 1000})), 1000.0);
+}
+
 TEST(AxisTree, SplittingEndsWhereOneReferencePerCellWouldNot) {
   TriangleSoup fan;  // 50 triangles around one point: no cell at it ever holds one (E26)
   Random random(3);

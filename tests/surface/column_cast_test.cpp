@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "sightline/oracle/oracle.hpp"
+#include "sightline/registry.hpp"
 #include "sightline/scene/generate/random.hpp"
 #include "sightline/scene/input_error.hpp"
 
@@ -59,6 +60,25 @@ TEST(ColumnCast, IdsAndDepthAreThoseOfTheExtrudedScene) {
     EXPECT_LE(wrong * 10000, pixels) << "cell " << cell;
     EXPECT_LE(edges * 200, pixels);
   }
+}
+
+TEST(ColumnCast, AsksOnceForAColumn) {  // 13.19: where a real ray caster asks for every pixel
+  Random random(4);
+  const GridMap map = make_maze(21, 15, 5, 0.3);
+  const Scene scene = extrude(map);
+  const IndexedScene indexed = index_scene(scene);
+  const auto rays = make_renderer("ray_cast", indexed);
+  std::uint64_t columns = 0, pixels = 0;
+  for (int i = 0; i < 10; ++i) {
+    const View view = view_in(map, random);
+    Frame frame;
+    Counters walked, traced;
+    column_cast(map, view, {}, frame, walked);
+    rays->draw(view, VisibleSet::all(scene.objects().size()), frame, traced);
+    columns += walked.nodes_visited;
+    pixels += traced.nodes_visited;
+  }
+  EXPECT_LT(columns * 10, pixels);
 }
 
 TEST(ColumnCast, WithoutCorrectionStraightWallsBulge) {  // 13.18

@@ -52,19 +52,6 @@ std::optional<TriangleHit> hit_triangle_barycentric(const Ray& ray, const glm::v
   return TriangleHit{m->t, alpha, beta, gamma};
 }
 
-Shear shear_of(const glm::vec3& origin, const glm::vec3& direction) {
-  const glm::vec3 size = glm::abs(direction);
-  Shear s{};
-  s.origin = origin;
-  s.z = size.x >= size.y && size.x >= size.z ? 0 : size.y >= size.z ? 1 : 2;
-  s.x = (s.z + 1) % 3;
-  s.y = (s.z + 2) % 3;
-  s.shear_x = direction[s.x] / direction[s.z];
-  s.shear_y = direction[s.y] / direction[s.z];
-  s.scale_z = 1.0f / direction[s.z];
-  return s;
-}
-
 std::optional<TriangleHit> hit_triangle_watertight(const Ray& ray, const glm::vec3& a, const glm::vec3& b,
                                                    const glm::vec3& c) {
   ShearedHit hit{};

@@ -32,7 +32,22 @@ struct Shear {
 };
 
 /// The ray must be one (is_ray).
-Shear shear_of(const glm::vec3& origin, const glm::vec3& direction);
+inline void set_shear(Shear& s, const glm::vec3& origin, const glm::vec3& direction) {
+  const glm::vec3 size = glm::abs(direction);
+  s.origin = origin;
+  s.z = static_cast<int>(size.y > size.x) & static_cast<int>(size.y >= size.z);
+  s.z |= static_cast<int>(size.z > size.x && size.z > size.y) << 1;
+  s.x = s.z == 2 ? 0 : s.z + 1;
+  s.y = s.z == 0 ? 2 : s.z - 1;
+  s.shear_x = direction[s.x] / direction[s.z];
+  s.shear_y = direction[s.y] / direction[s.z];
+  s.scale_z = 1.0f / direction[s.z];
+}
+inline Shear shear_of(const glm::vec3& origin, const glm::vec3& direction) {
+  Shear s;
+  set_shear(s, origin, direction);
+  return s;
+}
 
 /// Weights (not normalised, all of one sign, sum not 0) of the corners at which the ray's line meets the triangle, and
 /// its parameter t, which lies between those of the corners.
@@ -44,7 +59,8 @@ struct ShearedHit {
 /// Vertices are sheared in float; edge functions of the results are taken in double, where their sign is exact, so the
 /// line is inside exactly if the sheared triangle holds the origin. False if it is not, or the sheared triangle is
 /// flat.
-inline bool hit_sheared(const Shear& s, const float* a, const float* b, const float* c, ShearedHit& hit) {
+[[gnu::always_inline]] inline bool hit_sheared(const Shear& s, const float* a, const float* b, const float* c,
+                                               ShearedHit& hit) {
   const float az = a[s.z] - s.origin[s.z], bz = b[s.z] - s.origin[s.z], cz = c[s.z] - s.origin[s.z];
   const float ax = (a[s.x] - s.origin[s.x]) - s.shear_x * az, ay = (a[s.y] - s.origin[s.y]) - s.shear_y * az;
   const float bx = (b[s.x] - s.origin[s.x]) - s.shear_x * bz, by = (b[s.y] - s.origin[s.y]) - s.shear_y * bz;

@@ -1,11 +1,15 @@
 #include "sightline/index/axis_tree.hpp"
 
+#include <array>
 #include <cmath>
 
 #include "sightline/geometry/triangle_overlap.hpp"
+#include "sightline/index/cell_items.hpp"
 
 namespace sightline {
 namespace {
+
+constexpr int most_depth = 64;
 
 class Builder {
  public:
@@ -16,7 +20,7 @@ class Builder {
     tree_.space = trace_space(bounds_of(soup_));
     margin_ = 3.0 * static_cast<double>(tree_.space.slack);
     set_root_cell();
-    const int limit = config_.max_depth > 0 ? config_.max_depth : default_depth();
+    const int limit = std::min(config_.max_depth > 0 ? config_.max_depth : default_depth(), most_depth);
     tree_.nodes.emplace_back();
     std::vector<std::uint32_t> all(soup_.size());
     for (std::uint32_t i = 0; i < all.size(); ++i) all[i] = i;
@@ -119,76 +123,140 @@ class Builder {
   AxisTree tree_;
 };
 
+/// A passage through the cell of a node.
 struct Step {
-  Aabb cell;
+  glm::vec3 lo, hi;
   float enter, leave;
   std::uint32_t node;
 };
 
-/// Splits a passage through a cell at the middle of each axis of the mask into passages through children, nearest
-/// first; where the ray is within the slack of a middle plane it passes both sides.
-int child_steps(const AxisNode& node, const Step& step, const TraceRay& ray, Step* out) {
-  out[0] = {step.cell, step.enter, step.leave, node.first};
-  int count = 1;
-  std::uint32_t upper = 1;
-  for (int axis = 0; axis < 3; ++axis) {
-    if (((node.axes >> axis) & 1u) == 0) continue;
-    const float middle = 0.5f * (step.cell.lo[axis] + step.cell.hi[axis]);
-    const float t = (middle - ray.origin[axis]) * ray.inverse[axis], slack = ray.slack[axis];
-    const bool forward = ray.inverse[axis] >= 0.0f;
-    for (int i = count; i-- > 0;) {
-      const bool near = out[i].enter <= t + slack, far = out[i].leave >= t - slack;
-      Step low = out[i], high = out[i];
-      low.cell.hi[axis] = middle;
-      high.cell.lo[axis] = middle;
-      high.node += upper;
-      Step& first = forward ? low : high;
-      Step& second = forward ? high : low;
-      first.leave = std::min(first.leave, t + slack);
-      second.enter = std::max(second.enter, t - slack);
-      if (near && far) {
-        for (int j = count++; j > i + 1; --j) out[j] = out[j - 1];
-        out[i] = first;
-        out[i + 1] = second;
-      } else {
-        out[i] = near ? first : second;
+/// Bits of the axes in the mask, moved together: the number of the child in these upper halves.
+constexpr auto child_numbers = [] {
+  std::array<std::array<std::uint8_t, 8>, 8> table{};
+  for (std::uint32_t mask = 0; mask < 8; ++mask)
+    for (std::uint32_t upper = 0; upper < 8; ++upper)
+      for (std::uint32_t axis = 0, bit = 0; axis < 3; ++axis)
+        if (((mask >> axis) & 1u) != 0)
+          table[mask][upper] = static_cast<std::uint8_t>(table[mask][upper] | ((upper >> axis) & 1u) << bit++);
+  return table;
+}();
+
+/// Splits passages at the middles of cells into passages through children.
+class Splitter {
+ public:
+  explicit Splitter(const TraceRay& ray) : ray_(ray) {
+    for (std::uint32_t axis = 0; axis < 3; ++axis)
+      backward_ |= (ray.inverse[static_cast<int>(axis)] >= 0.0f ? 0u : 1u) << axis;
+  }
+
+  /// Replaces the passage by that through the nearest child and puts the others on the stack, the farthest first. Where
+  /// the ray is within the slack of a middle plane it passes both sides.
+  void split(const AxisNode& node, Step& now, Step* stack, std::size_t& top) const {
+    Middle middles[3];
+    std::uint32_t far = 0;  // halves that the ray comes to last
+    int crossed = 0;
+    for (int axis = 0; axis < 3; ++axis) {
+      if (((node.axes >> axis) & 1u) == 0) continue;
+      const float at = 0.5f * (now.lo[axis] + now.hi[axis]), t = (at - ray_.origin[axis]) * ray_.inverse[axis];
+      const Middle m{t - ray_.slack[axis], t + ray_.slack[axis], 1u << axis};
+      if (!(now.enter <= m.last)) {
+        far |= m.axis;
+      } else if (now.leave >= m.first) {
+        int i = crossed++;
+        for (; i > 0 && middles[i - 1].first > m.first; --i) middles[i] = middles[i - 1];
+        middles[i] = m;
       }
     }
-    upper *= 2;
+    if (crossed > 0) cross(node, now, far, middles, crossed, stack, top);
+    enter_child(node, far, now);
   }
-  return count;
-}
+
+ private:
+  struct Middle {
+    float first, last;  // of the ray's time at the plane
+    std::uint32_t axis;
+  };
+
+  /// Middles in the order of the ray. Between any two that it meets one after the other there is one child; where it
+  /// may meet several at once, one for each combination of their halves.
+  void cross(const AxisNode& node, Step& now, std::uint32_t far, const Middle* middles, int count, Step* stack,
+             std::size_t& top) const {
+    const bool apart =
+        (count < 2 || middles[0].last < middles[1].first) && (count < 3 || middles[1].last < middles[2].first);
+    if (apart) {
+      std::uint32_t passed = far;
+      for (int i = 0; i < count; ++i) passed |= middles[i].axis;
+      float leave = now.leave;
+      for (int i = count; i-- > 0;) {
+        push(node, now, passed, std::max(now.enter, middles[i].first), leave, stack, top);
+        passed &= ~middles[i].axis;
+        leave = std::min(now.leave, middles[i].last);
+      }
+      now.leave = leave;
+      return;
+    }
+    for (std::uint32_t halves = (1u << count) - 1u; halves > 0; --halves) {
+      float enter = now.enter, leave = now.leave;
+      std::uint32_t passed = far;
+      for (int i = 0; i < count; ++i)
+        if (((halves >> i) & 1u) != 0) {
+          enter = std::max(enter, middles[i].first);
+          passed |= middles[i].axis;
+        } else {
+          leave = std::min(leave, middles[i].last);
+        }
+      if (enter <= leave) push(node, now, passed, enter, leave, stack, top);
+    }
+    for (int i = 0; i < count; ++i) now.leave = std::min(now.leave, middles[i].last);
+  }
+
+  void push(const AxisNode& node, const Step& from, std::uint32_t far, float enter, float leave, Step* stack,
+            std::size_t& top) const {
+    Step& step = stack[top++];
+    step = {from.lo, from.hi, enter, leave, from.node};
+    enter_child(node, far, step);
+  }
+
+  void enter_child(const AxisNode& node, std::uint32_t far, Step& step) const {
+    const std::uint32_t upper = (far ^ backward_) & node.axes;
+    for (int axis = 0; axis < 3; ++axis) {
+      const float middle = 0.5f * (step.lo[axis] + step.hi[axis]);
+      const bool halved = ((node.axes >> axis) & 1u) != 0, high = ((upper >> axis) & 1u) != 0;
+      step.lo[axis] = halved && high ? middle : step.lo[axis];
+      step.hi[axis] = halved && !high ? middle : step.hi[axis];
+    }
+    step.node = node.first + child_numbers[node.axes][upper];
+  }
+
+  const TraceRay& ray_;
+  std::uint32_t backward_ = 0;
+};
 
 template <bool any>
 RayHit walk(const AxisTree& tree, const TriangleSoup& soup, const TraceRay& ray, TraceCounters& counters) {
   RayHit best{ray.t_far, no_triangle};
-  Step root{tree.bounds, 0.0f, 0.0f, 0};
-  pass_box(ray, tree.bounds.lo, tree.bounds.hi, root.enter, root.leave);
-  if (!(root.enter <= root.leave)) return best;
+  Step now{tree.bounds.lo, tree.bounds.hi, 0.0f, 0.0f, 0};
+  pass_box(ray, tree.bounds.lo, tree.bounds.hi, now.enter, now.leave);
+  if (!(now.enter <= now.leave)) return best;
   Mailbox mailbox;
-  thread_local std::vector<Step> stack;
-  stack.assign(1, root);
-  while (!stack.empty()) {
-    const Step step = stack.back();
-    stack.pop_back();
-    // Later cells may still hold a nearer hit than one found beyond its cell: the in-cell rule of E24.
-    if (step.enter > best.t) continue;
-    const AxisNode& node = tree.nodes[step.node];
+  const Splitter splitter(ray);
+  constexpr std::size_t room = 7 * most_depth;
+  Step stack[room];
+  std::size_t top = 0;
+  for (;;) {
+    const AxisNode& node = tree.nodes[now.node];
     ++counters.nodes;
     if (node.axes != 0) {
-      Step children[8];
-      for (int i = child_steps(node, step, ray, children); i-- > 0;) stack.push_back(children[i]);
+      splitter.split(node, now, stack, top);
       continue;
     }
-    for (std::uint32_t i = node.first; i < node.first + node.count; ++i) {
-      const std::uint32_t triangle = tree.items[i];
-      if (!mailbox.enter(triangle)) continue;
-      ++counters.tests;
-      if (counters.tested != nullptr) counters.tested->push_back(triangle);
-      if (try_triangle(ray, soup, triangle, best) && any) return best;
-    }
+    if (test_items<any>(tree.items_of(now.node), soup, ray, mailbox, counters, best) && any) return best;
+    // Later cells may still hold a nearer hit than one found beyond its cell: the in-cell rule of E24.
+    do {
+      if (top == 0) return best;
+      now = stack[--top];
+    } while (now.enter > best.t);
   }
-  return best;
 }
 
 template <bool any>
@@ -197,31 +265,6 @@ RayHit trace(const AxisTree& tree, const TriangleSoup& soup, const Ray& ray, Tra
   TraceRay prepared;
   if (tree.nodes.empty() || !prepare(ray, tree.space, prepared)) return {};
   return finish(prepared, walk<any>(tree, soup, prepared, counters));
-}
-
-template <class Keep, class Take>
-std::vector<std::uint32_t> query(const AxisTree& tree, const TriangleSoup& soup, Keep&& keep, Take&& take) {
-  std::vector<std::uint32_t> found;
-  struct Task {
-    Aabb cell;
-    std::uint32_t node;
-  };
-  std::vector<Task> stack;
-  if (!tree.nodes.empty()) stack.push_back({tree.bounds, 0});
-  while (!stack.empty()) {
-    const Task task = stack.back();
-    stack.pop_back();
-    if (!keep(task.cell)) continue;
-    const AxisNode& node = tree.nodes[task.node];
-    for (std::uint32_t k = 0; node.axes != 0 && k < (1u << std::popcount(std::uint32_t{node.axes})); ++k)
-      stack.push_back({child_cell(task.cell, node.axes, k), node.first + k});
-    if (node.axes == 0)
-      found.insert(found.end(), tree.items.begin() + node.first, tree.items.begin() + node.first + node.count);
-  }
-  std::sort(found.begin(), found.end());
-  found.erase(std::unique(found.begin(), found.end()), found.end());
-  std::erase_if(found, [&](std::uint32_t i) { return !take(soup.triangle(i)); });
-  return found;
 }
 
 }  // namespace
@@ -247,13 +290,13 @@ bool trace_any(const AxisTree& tree, const TriangleSoup& soup, const Ray& ray, T
 }
 
 std::vector<std::uint32_t> box_query(const AxisTree& tree, const TriangleSoup& soup, const Aabb& box) {
-  return query(
+  return query_cells(
       tree, soup, [&](const Aabb& b) { return b.overlaps(box); },
       [&](const glm::vec3* corners) { return triangle_touches_box(corners, box); });
 }
 
 std::vector<std::uint32_t> frustum_query(const AxisTree& tree, const TriangleSoup& soup, const Frustum& frustum) {
-  return query(
+  return query_cells(
       tree, soup, [&](const Aabb& b) { return classify(frustum, b) != Containment::outside; },
       [&](const glm::vec3* corners) { return triangle_touches_frustum(corners, frustum); });
 }

@@ -4,8 +4,10 @@
 #pragma once
 
 #include <bit>
+#include <span>
 
 #include "sightline/geometry/frustum.hpp"
+#include "sightline/index/large_pages.hpp"
 #include "sightline/index/trace.hpp"
 
 namespace sightline {
@@ -18,13 +20,36 @@ struct AxisNode {
   std::uint32_t count : 29 = 0;
 };
 
+/// The cell of child k.
+inline Aabb child_cell(const Aabb& cell, std::uint32_t axes, std::uint32_t k) {
+  Aabb child = cell;
+  for (int axis = 0, bit = 0; axis < 3; ++axis) {
+    if (((axes >> axis) & 1u) == 0) continue;
+    const float middle = 0.5f * (cell.lo[axis] + cell.hi[axis]);
+    (((k >> bit++) & 1u) != 0 ? child.lo : child.hi)[axis] = middle;
+  }
+  return child;
+}
+
 struct AxisTree {
   TraceSpace space;
   Aabb bounds;                  // of the root cell
-  std::vector<AxisNode> nodes;  // nodes[0] is the root; empty if there are no triangles
-  std::vector<std::uint32_t> items;
+  PagedVector<AxisNode> nodes;  // nodes[0] is the root; empty if there are no triangles
+  PagedVector<std::uint32_t> items;
 
   [[nodiscard]] std::size_t bytes() const { return nodes.size() * sizeof(AxisNode) + items.size() * 4; }
+  /// Of a leaf; none of an inner node.
+  [[nodiscard]] std::span<const std::uint32_t> items_of(std::uint32_t node) const {
+    const AxisNode& n = nodes[node];
+    return n.axes == 0 ? std::span(items).subspan(n.first, n.count) : std::span<const std::uint32_t>();
+  }
+  /// Calls visit(cell, node) for the children of a node with this cell.
+  template <class Visit>
+  void for_each_child(std::uint32_t node, const Aabb& cell, Visit&& visit) const {
+    const AxisNode& n = nodes[node];
+    for (std::uint32_t k = 0; n.axes != 0 && k < (1u << std::popcount(std::uint32_t{n.axes})); ++k)
+      visit(child_cell(cell, n.axes, k), n.first + k);
+  }
 };
 
 struct AxisTreeConfig {
@@ -49,20 +74,6 @@ std::vector<std::uint32_t> box_query(const AxisTree& tree, const TriangleSoup& s
 std::vector<std::uint32_t> frustum_query(const AxisTree& tree, const TriangleSoup& soup, const Frustum& frustum);
 
 /// Calls visit(cell, depth, node) for every node, parents first.
-template <class F>
-void for_each_cell(const AxisTree& tree, F&& visit);
-
-/// The cell of child k.
-inline Aabb child_cell(const Aabb& cell, std::uint32_t axes, std::uint32_t k) {
-  Aabb child = cell;
-  for (int axis = 0, bit = 0; axis < 3; ++axis) {
-    if (((axes >> axis) & 1u) == 0) continue;
-    const float middle = 0.5f * (cell.lo[axis] + cell.hi[axis]);
-    (((k >> bit++) & 1u) != 0 ? child.lo : child.hi)[axis] = middle;
-  }
-  return child;
-}
-
 template <class F>
 void for_each_cell(const AxisTree& tree, F&& visit) {
   struct Task {

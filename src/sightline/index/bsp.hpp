@@ -4,6 +4,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <glm/glm.hpp>
 #include <limits>
 #include <span>
@@ -107,11 +108,13 @@ struct BspConfig {
   std::uint32_t free_planes_above = 24;     // mixed, pca: planes of no polygon only where more polygons are left
   double relative_tolerance = 1e-12;        // of the largest coordinate, 1e-14 to 1e-3
   std::size_t most_fragments = 20'000'000;  // more throw
+  /// If set, told now and then which share of the work is done, 0 to 1 (a guess, but it only grows); false gives it up.
+  std::function<bool(double)> go_on;
 };
 
 /// Builds the tree. Deterministic; O(n log n) where planes part evenly, O(n^2) nodes' work on convex surfaces if only
-/// planes of polygons are used. Throws std::length_error beyond most_fragments. Corners must be finite; polygons of
-/// more than three corners must be planar up to the tolerance.
+/// planes of polygons are used. Throws std::length_error beyond most_fragments or if given up. Corners must be finite;
+/// polygons of more than three corners must be planar up to the tolerance.
 Bsp build_bsp(PolygonSet polygons, const BspConfig& config = {});
 
 enum class BspOrder { near_to_far, far_to_near };

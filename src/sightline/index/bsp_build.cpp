@@ -27,6 +27,7 @@ struct Task {
   std::uint32_t parent;
   bool front;
   std::size_t depth;
+  double share;  // of all the work
 };
 
 struct Score {
@@ -64,11 +65,14 @@ class Builder {
                             static_cast<std::uint32_t>(bsp_.polygons[i].size()), static_cast<std::uint32_t>(i), true});
       for (const glm::dvec3& p : bsp_.polygons[i]) corners_.push_back({p, no_cut});
     }
-    if (!all.empty()) tasks_.push_back({std::move(all), 0, true, 1});
+    if (!all.empty()) tasks_.push_back({std::move(all), 0, true, 1, 1.0});
     while (!tasks_.empty()) {
       Task task = std::move(tasks_.back());
       tasks_.pop_back();
       make_node(task);
+      constexpr std::size_t nodes_between_calls = 256;
+      if (config_.go_on && bsp_.nodes.size() % nodes_between_calls == 0 && !config_.go_on(done_))
+        throw std::length_error("the BSP tree was given up");
     }
     return std::move(bsp_);
   }
@@ -91,8 +95,21 @@ class Builder {
     bsp_.nodes.emplace_back();
     bsp_.nodes.back().plane = choice.plane;
     place(on, index);
-    if (!front.empty()) tasks_.push_back({std::move(front), index, true, task.depth + 1});
-    if (!back.empty()) tasks_.push_back({std::move(back), index, false, task.depth + 1});
+    // Lists of n fragments take about n log n.
+    const auto work = [](const List& list) {
+      return static_cast<double>(list.size()) * std::log2(static_cast<double>(list.size()) + 1.0);
+    };
+    const double rest = work(front) + work(back),
+                 left = task.share * rest / (rest + static_cast<double>(on.size() + 1));
+    done_ += task.share - left;
+    if (!front.empty()) {
+      const double share = left * work(front) / rest;
+      tasks_.push_back({std::move(front), index, true, task.depth + 1, share});
+    }
+    if (!back.empty()) {
+      const double share = left * work(back) / rest;
+      tasks_.push_back({std::move(back), index, false, task.depth + 1, share});
+    }
   }
 
   void part(std::uint32_t id, const BspPlane& plane, std::uint32_t node, List& front, List& back, List& on) {
@@ -284,6 +301,7 @@ class Builder {
   std::vector<BspFragment> fragments_;  // at work
   std::vector<BspCorner> corners_;      // of those; holes where fragments grew
   std::vector<Task> tasks_;
+  double done_ = 0.0;
   std::vector<std::uint32_t> sample_;
   std::vector<glm::dvec3> centres_;
   std::vector<double> values_;

@@ -12,39 +12,108 @@
 namespace sightline {
 namespace {
 
-/// Up to eight binary nodes that become the children of a wide one.
+/// Up to eight binary nodes that become the children of a wide one, those that stay nodes first.
 struct Group {
   std::array<std::uint32_t, 8> node{};
-  int count = 0;
+  int count = 0, inner = 0;
 };
 
-/// Opens the inner child of largest area until there are eight. Inner ones first, in the order they were found.
-Group gather(const Bvh& bvh, std::uint32_t root) {
-  Group group;
-  group.node[0] = root;
-  group.count = 1;
-  while (group.count < 8) {
-    int widest = -1;
-    float area = -1.0f;
-    for (int i = 0; i < group.count; ++i) {
-      const BvhNode& node = bvh.nodes[group.node[static_cast<std::size_t>(i)]];
-      if (node.leaf() || !(node.bounds.half_area() > area)) continue;
-      widest = i;
-      area = node.bounds.half_area();
-    }
-    if (widest < 0) break;
-    const std::uint32_t first = bvh.nodes[group.node[static_cast<std::size_t>(widest)]].first;
-    group.node[static_cast<std::size_t>(widest)] = first;
-    group.node[static_cast<std::size_t>(group.count++)] = first + 1;
+/// Which binary nodes become children of which wide node, and which subtrees become one leaf: the cheapest choice by
+/// surface area, weighed bottom-up (Ylitie, Karras and Laine 2017, section 4).
+class Collapse {
+ public:
+  explicit Collapse(const Bvh& bvh) : bvh_(bvh), weights_(bvh.nodes.size()) {
+    for (auto n = static_cast<std::uint32_t>(bvh.nodes.size()); n-- > 0;) weigh(n);
   }
-  std::stable_partition(group.node.begin(), group.node.begin() + group.count,
-                        [&](std::uint32_t n) { return !bvh.nodes[n].leaf(); });
-  return group;
-}
+
+  /// The children of a wide node made of this subtree.
+  [[nodiscard]] Group gather(std::uint32_t root) const {
+    Group group;
+    if (is_leaf(root))
+      group.node[static_cast<std::size_t>(group.count++)] = root;
+    else
+      share(root, 8, group);
+    // Leaves last, and what is large: a ray that looks for any hit begins there.
+    std::sort(group.node.begin(), group.node.begin() + group.count, [&](std::uint32_t a, std::uint32_t b) {
+      if (is_leaf(a) != is_leaf(b)) return is_leaf(b);
+      const float area_a = bvh_.nodes[a].bounds.half_area(), area_b = bvh_.nodes[b].bounds.half_area();
+      return area_a < area_b || (area_a == area_b && a < b);
+    });
+    while (group.inner < group.count && !is_leaf(group.node[static_cast<std::size_t>(group.inner)])) ++group.inner;
+    return group;
+  }
+  [[nodiscard]] bool is_leaf(std::uint32_t node) const { return weights_[node].leaf; }
+
+ private:
+  /// cost[i]: of the subtree as at most i + 1 children.
+  struct Weight {
+    std::array<float, 7> cost{};
+    std::uint32_t items = 0;
+    bool leaf = true;
+  };
+
+  // In visits of a node.
+  static constexpr float node_cost = 1.0f, leaf_cost = 0.5f, triangle_cost = 0.05f;
+
+  [[nodiscard]] float cost(std::uint32_t node, int places) const {
+    return weights_[node].cost[static_cast<std::size_t>(places) - 1];
+  }
+  /// The cheapest way to give the children of a node so many places between them.
+  [[nodiscard]] float shared_cost(std::uint32_t first, int places, int& of_first) const {
+    float best = std::numeric_limits<float>::infinity();
+    of_first = 1;
+    for (int k = 1; k < places; ++k) {
+      const float c = cost(first, k) + cost(first + 1, places - k);
+      if (c < best) {
+        best = c;
+        of_first = k;
+      }
+    }
+    return best;
+  }
+
+  void weigh(std::uint32_t n) {
+    const BvhNode& node = bvh_.nodes[n];
+    Weight& w = weights_[n];
+    const float area = node.bounds.half_area();
+    w.items = node.leaf() ? node.count : weights_[node.first].items + weights_[node.first + 1].items;
+    const float as_leaf = w.items <= bvh8_leaf_limit ? area * (leaf_cost + triangle_cost * static_cast<float>(w.items))
+                                                     : std::numeric_limits<float>::infinity();
+    if (node.leaf()) {
+      w.cost.fill(as_leaf);
+      return;
+    }
+    int unused = 0;
+    const float as_node = area * node_cost + shared_cost(node.first, 8, unused);
+    w.leaf = as_leaf <= as_node;
+    w.cost[0] = std::min(as_leaf, as_node);
+    for (int places = 2; places <= 7; ++places) {
+      const auto i = static_cast<std::size_t>(places) - 1;
+      w.cost[i] = std::min(w.cost[i - 1], shared_cost(node.first, places, unused));
+    }
+  }
+
+  void share(std::uint32_t n, int places, Group& group) const {
+    int of_first = 0;
+    const std::uint32_t first = bvh_.nodes[n].first;
+    (void)shared_cost(first, places, of_first);
+    collect(first, of_first, group);
+    collect(first + 1, places - of_first, group);
+  }
+  void collect(std::uint32_t n, int places, Group& group) const {
+    while (places > 1 && cost(n, places - 1) <= cost(n, places)) --places;
+    if (places == 1)
+      group.node[static_cast<std::size_t>(group.count++)] = n;
+    else
+      share(n, places, group);
+  }
+
+  const Bvh& bvh_;
+  PagedVector<Weight> weights_;
+};
 
 /// Exponent of the least power of two of which 255 span the extent, biased as in a float.
-std::uint8_t exponent_for(float lo, float hi) {
-  const double extent = static_cast<double>(hi) - static_cast<double>(lo);
+std::uint8_t exponent_for(double extent) {
   if (!(extent > 0x1p-110)) return 10;
   int exponent = 0;
   (void)std::frexp(extent / 255.0, &exponent);  // extent / 255 <= 2^exponent
@@ -53,7 +122,7 @@ std::uint8_t exponent_for(float lo, float hi) {
 
 class Widener {
  public:
-  Widener(const Bvh& bvh, const TriangleSoup& soup) : bvh_(bvh), soup_(soup) {}
+  Widener(const Bvh& bvh, const TriangleSoup& soup) : bvh_(bvh), soup_(soup), collapse_(bvh) {}
 
   Bvh8 build() {
     if (bvh_.items.size() >= (std::size_t{1} << 28)) throw std::length_error("more than 2^28 triangles");
@@ -68,12 +137,13 @@ class Widener {
       const Task task = stack.back();
       stack.pop_back();
       tree_.depth = std::max(tree_.depth, task.depth);
-      const Group group = gather(bvh_, task.from);
-      fill(task.to, group);
-      const int inner = tree_.nodes[task.to].inner();
-      for (int i = inner; i-- > 0;)
-        stack.push_back({group.node[static_cast<std::size_t>(i)],
-                         tree_.nodes[task.to].first_child + static_cast<std::uint32_t>(i), task.depth + 1});
+      const Group group = collapse_.gather(task.from);
+      const auto first = static_cast<std::uint32_t>(tree_.nodes.size());
+      tree_.nodes.resize(tree_.nodes.size() + static_cast<std::size_t>(group.inner));
+      fill(tree_.nodes[task.to], group, first);
+      for (int i = group.inner; i-- > 0;)
+        stack.push_back(
+            {group.node[static_cast<std::size_t>(i)], first + static_cast<std::uint32_t>(i), task.depth + 1});
     }
     tree_.triangles.resize(tree_.triangles.size() + padding);
     return std::move(tree_);
@@ -85,31 +155,26 @@ class Widener {
     int depth;
   };
 
-  void fill(std::uint32_t to, const Group& group) {
+  void fill(Bvh8Node& node, const Group& group, std::uint32_t first_child) {
     Aabb bounds;
-    int inner = 0;
-    for (int i = 0; i < group.count; ++i) {
-      const BvhNode& child = bvh_.nodes[group.node[static_cast<std::size_t>(i)]];
-      bounds.extend(child.bounds);
-      inner += child.leaf() ? 0 : 1;
+    for (int i = 0; i < group.count; ++i) bounds.extend(bvh_.nodes[group.node[static_cast<std::size_t>(i)]].bounds);
+    for (int axis = 0; axis < 3; ++axis) {
+      const float corner = tree_.space.bounds.lo[axis];
+      float& at = node.origin[axis] = bounds.lo[axis] - corner;
+      if (static_cast<double>(at) + static_cast<double>(corner) > static_cast<double>(bounds.lo[axis]))
+        at = std::nextafter(at, -INFINITY);
+      quantise(node, axis, bounds, group);
     }
-    Bvh8Node node{};
-    node.origin = bounds.lo;
-    node.counts = static_cast<std::uint8_t>(inner + 16 * group.count);
-    node.first_child = static_cast<std::uint32_t>(tree_.nodes.size());
-    node.first_triangle = tree_.triangle_count;
-    for (int axis = 0; axis < 3; ++axis) quantise(node, axis, bounds, group);
-    for (int i = inner; i < group.count; ++i) {
-      add_leaf(bvh_.nodes[group.node[static_cast<std::size_t>(i)]]);
-      node.ends[i] = static_cast<std::uint8_t>(tree_.triangle_count - node.first_triangle);
-    }
-    tree_.nodes[to] = node;
-    tree_.nodes.resize(tree_.nodes.size() + static_cast<std::size_t>(inner));
+    node.count = static_cast<std::uint8_t>(group.count);
+    for (int i = 0; i < group.count; ++i)
+      node.ref[i] = i < group.inner ? first_child + static_cast<std::uint32_t>(i)
+                                    : add_leaf(items_below(bvh_, group.node[static_cast<std::size_t>(i)]));
   }
 
   void quantise(Bvh8Node& node, int axis, const Aabb& bounds, const Group& group) const {
-    node.exponent[axis] = exponent_for(bounds.lo[axis], bounds.hi[axis]);
-    const double scale = std::ldexp(1.0, 127 - node.exponent[axis]), base = static_cast<double>(bounds.lo[axis]);
+    const double base = static_cast<double>(node.origin[axis]) + static_cast<double>(tree_.space.bounds.lo[axis]);
+    node.exponent[axis] = exponent_for(static_cast<double>(bounds.hi[axis]) - base);
+    const double scale = std::ldexp(1.0, 127 - node.exponent[axis]);
     for (std::size_t i = 0; i < static_cast<std::size_t>(group.count); ++i) {
       const Aabb& box = bvh_.nodes[group.node[i]].bounds;
       const double lo = (static_cast<double>(box.lo[axis]) - base) * scale;
@@ -119,31 +184,35 @@ class Widener {
     }
   }
 
-  void add_leaf(const BvhNode& leaf) {
-    const std::size_t k = leaf.count, at = tree_.triangles.size();
+  std::uint32_t add_leaf(const ItemRange& leaf) {
+    const std::size_t k = leaf.end - leaf.begin, at = tree_.triangles.size();
     tree_.triangles.resize(at + k * bvh8_words_per_triangle);
     std::uint32_t* words = tree_.triangles.data() + at;
     for (std::size_t i = 0; i < k; ++i) {
-      const std::uint32_t place = bvh_.items[leaf.first + i];
+      const std::uint32_t place = bvh_.items[leaf.begin + i];
       words[i] = place;
       const float* corners = &soup_.triangle(place)->x;
       for (std::size_t j = 0; j < 9; ++j) std::memcpy(&words[(j + 1) * k + i], &corners[j], 4);
     }
-    tree_.triangle_count += leaf.count;
+    const std::uint32_t first = tree_.triangle_count;
+    tree_.triangle_count += leaf.end - leaf.begin;
+    return bvh8_leaf | (leaf.end - leaf.begin - 1u) << 28 | first;
   }
 
   const Bvh& bvh_;
   const TriangleSoup& soup_;
+  Collapse collapse_;
   Bvh8 tree_;
 };
 
 /// A child's bounds in floats, one step outwards for the rounding of the sum.
-Aabb child_box(const Bvh8Node& node, int i) {
+Aabb child_box(const Bvh8& tree, const Bvh8Node& node, int i) {
   Aabb box;
   for (int axis = 0; axis < 3; ++axis) {
-    const float scale = std::bit_cast<float>(static_cast<std::uint32_t>(node.exponent[axis]) << 23);
-    box.lo[axis] = std::nextafter(node.origin[axis] + static_cast<float>(node.lo[axis][i]) * scale, -INFINITY);
-    box.hi[axis] = std::nextafter(node.origin[axis] + static_cast<float>(node.hi[axis][i]) * scale, INFINITY);
+    const double scale = std::ldexp(1.0, node.exponent[axis] - 127);
+    const double base = static_cast<double>(node.origin[axis]) + static_cast<double>(tree.space.bounds.lo[axis]);
+    box.lo[axis] = std::nextafter(static_cast<float>(base + node.lo[axis][i] * scale), -INFINITY);
+    box.hi[axis] = std::nextafter(static_cast<float>(base + node.hi[axis][i] * scale), INFINITY);
   }
   return box;
 }
@@ -157,18 +226,14 @@ std::vector<std::uint32_t> query(const Bvh8& tree, Keep&& keep, Take&& take) {
   while (!stack.empty()) {
     const Bvh8Node& node = tree.nodes[stack.back()];
     stack.pop_back();
-    std::uint32_t begin = 0;
-    for (int i = 0; i < node.count(); ++i) {
-      const bool kept = keep(child_box(node, i));
-      if (i < node.inner()) {
-        if (kept) stack.push_back(node.first_child + static_cast<std::uint32_t>(i));
+    for (int i = 0; i < node.count; ++i) {
+      if (!keep(child_box(tree, node, i))) continue;
+      if ((node.ref[i] & bvh8_leaf) == 0) {
+        stack.push_back(node.ref[i]);
         continue;
       }
-      const std::uint32_t end = node.ends[i], k = end - begin;
-      const std::uint32_t* words =
-          tree.triangles.data() + std::size_t{node.first_triangle + begin} * bvh8_words_per_triangle;
-      begin = end;
-      if (!kept) continue;
+      const auto [first, k] = leaf_of(node.ref[i]);
+      const std::uint32_t* words = tree.triangles.data() + std::size_t{first} * bvh8_words_per_triangle;
       for (std::uint32_t t = 0; t < k; ++t) {
         glm::vec3 corners[3];
         for (std::uint32_t j = 0; j < 9; ++j)
@@ -193,21 +258,17 @@ RayHit trace_nearest_scalar(const Bvh8& tree, const Ray& ray, TraceCounters& cou
     const Bvh8Node& node = tree.nodes[stack.back()];
     stack.pop_back();
     ++counters.nodes;
-    std::uint32_t begin = 0;
-    for (int i = 0; i < node.count(); ++i) {
-      const std::uint32_t from = begin;
-      if (i >= node.inner()) begin = node.ends[i];
-      const Aabb box = child_box(node, i);
+    for (int i = 0; i < node.count; ++i) {
+      const Aabb box = child_box(tree, node, i);
       float enter = 0.0f, leave = 0.0f;
       pass_box(prepared, box.lo, box.hi, enter, leave);
       if (!(enter <= std::min(leave, best.t))) continue;
-      if (i < node.inner()) {
-        stack.push_back(node.first_child + static_cast<std::uint32_t>(i));
+      if ((node.ref[i] & bvh8_leaf) == 0) {
+        stack.push_back(node.ref[i]);
         continue;
       }
-      const std::uint32_t k = begin - from;
-      const std::uint32_t* words =
-          tree.triangles.data() + std::size_t{node.first_triangle + from} * bvh8_words_per_triangle;
+      const auto [first, k] = leaf_of(node.ref[i]);
+      const std::uint32_t* words = tree.triangles.data() + std::size_t{first} * bvh8_words_per_triangle;
       for (std::uint32_t t = 0; t < k; ++t) {
         float corner[9];
         for (std::uint32_t j = 0; j < 9; ++j) corner[j] = std::bit_cast<float>(words[(j + 1) * k + t]);
@@ -222,8 +283,8 @@ RayHit trace_nearest_scalar(const Bvh8& tree, const Ray& ray, TraceCounters& cou
 Bvh8 widen(const Bvh& bvh, const TriangleSoup& soup) { return Widener(bvh, soup).build(); }
 
 Bvh8 build_bvh8(const TriangleSoup& soup) {
-  // Up to eight triangles are one test in vectors: leaves are cheap, and large ones keep the tree small.
-  const BvhBuildConfig config{.max_leaf_size = static_cast<int>(bvh8_leaf_limit), .node_cost = 3.5f};
+  // Small leaves, which the collapse joins where that is cheaper.
+  constexpr BvhBuildConfig config{.max_leaf_size = 4, .node_cost = 1.5f};
   return widen(build_bvh_sah(bounds_of_triangles(soup), config), soup);
 }
 

@@ -1,5 +1,5 @@
 // Bounding volume hierarchy with eight children per node and bounds in eight bits (Ylitie, Karras and Laine 2017): the
-// fast and small one. 80 bytes a node, 40 bytes a triangle, which is stored in the leaves. Promise: the hits of brute
+// fast and small one. 96 bytes a node, 40 bytes a triangle, which is stored in the leaves. Promise: the hits of brute
 // force, bit by bit, on every SIMD target. Checklist 13.14.
 #pragma once
 
@@ -9,35 +9,38 @@
 
 #include "sightline/geometry/frustum.hpp"
 #include "sightline/index/bvh.hpp"
+#include "sightline/index/large_pages.hpp"
 #include "sightline/index/trace.hpp"
 
 namespace sightline {
 
-/// Child i < inner is node `first_child + i`; children inner <= i < count are leaves, whose triangles follow each other
-/// from `first_triangle` on: leaf i is [ends[i - 1], ends[i]) (from 0 for the first leaf). Bounds of child i on an axis
-/// are origin + lo[i] * 2^(exponent - 127) to origin + hi[i] * 2^(exponent - 127).
-struct Bvh8Node {
+/// Child i is ref[i]: a node by its number, or with the highest bit set a leaf, whose triangles - 1 stand in bits 28 to
+/// 30 and the first of them below. Bounds of child i on an axis are origin + lo[i] * 2^(exponent - 127) to origin +
+/// hi[i] * 2^(exponent - 127), from the lower corner of the tree's space on.
+struct alignas(32) Bvh8Node {
   glm::vec3 origin;
   std::uint8_t exponent[3];
-  std::uint8_t counts;  // inner + 16 * count
-  std::uint32_t first_child, first_triangle;
-  std::uint8_t ends[8];
+  std::uint8_t count;
   std::uint8_t lo[3][8], hi[3][8];
-
-  [[nodiscard]] int inner() const { return counts & 15; }
-  [[nodiscard]] int count() const { return counts >> 4; }
+  std::uint32_t ref[8];
 };
-static_assert(sizeof(Bvh8Node) == 80);
+static_assert(sizeof(Bvh8Node) == 96);
+
+inline constexpr std::uint32_t bvh8_leaf = 0x80000000u;
+struct Bvh8Leaf {
+  std::uint32_t first, count;
+};
+inline Bvh8Leaf leaf_of(std::uint32_t ref) { return {ref & 0x0FFFFFFFu, ((ref >> 28) & 7u) + 1u}; }
 
 inline constexpr std::uint32_t bvh8_leaf_limit = 8;           // triangles in a leaf
 inline constexpr std::uint32_t bvh8_words_per_triangle = 10;  // place and nine coordinates
 
 struct Bvh8 {
   TraceSpace space;
-  std::vector<Bvh8Node> nodes;  // nodes[0] is the root; empty if there is nothing to hit
+  PagedVector<Bvh8Node> nodes;  // nodes[0] is the root; empty if there is nothing to hit
   /// 32-bit words. A leaf of k triangles from triangle f on is the k places in the soup at word 10 f, then k ax, k ay,
   /// k az, k bx and so on: loaded as vectors without padding between leaves.
-  std::vector<std::uint32_t> triangles;
+  PagedVector<std::uint32_t> triangles;
   std::uint32_t triangle_count = 0;
   int depth = 0;
 

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "sightline/index/bvh_builders.hpp"
+#include "sightline/index/large_pages.hpp"
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "sightline/index/bvh_sah.cpp"
@@ -180,7 +181,7 @@ class SahBuilder {
     const std::uint32_t count = task.end - task.begin;
     if (count <= 1) return false;
     const bool may_be_leaf = count <= static_cast<std::uint32_t>(config_.max_leaf_size);
-    bins_ = count > 64 ? most_bins : 8;
+    bins_ = count > 64 ? most_bins : count > 8 ? 8 : 4;
     Split split;
     find_split(task, split);
     if (may_be_leaf) {
@@ -327,7 +328,7 @@ class SahBuilder {
   }
 
   BvhBuildConfig config_;
-  std::vector<Reference> references_;
+  PagedVector<Reference> references_;
   int bins_ = most_bins;
   Extent bin_[most_bins][3];
   std::uint32_t count_[3][most_bins] = {};

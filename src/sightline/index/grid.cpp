@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "sightline/geometry/triangle_overlap.hpp"
+#include "sightline/index/cell_items.hpp"
 
 namespace sightline {
 namespace {
@@ -108,13 +109,10 @@ RayHit walk(const Grid& grid, const TriangleSoup& soup, const TraceRay& ray, Tra
   for (;;) {
     ++counters.nodes;
     const auto c = static_cast<std::size_t>(at);
-    for (std::uint32_t i = grid.starts[c]; i < grid.starts[c + 1]; ++i) {
-      const std::uint32_t triangle = grid.items[i];
-      if (!mailbox.enter(triangle)) continue;
-      ++counters.tests;
-      if (counters.tested != nullptr) counters.tested->push_back(triangle);
-      if (try_triangle(ray, soup, triangle, best) && any) return best;
-    }
+    if (test_items<any>(std::span(grid.items).subspan(grid.starts[c], grid.starts[c + 1] - grid.starts[c]), soup, ray,
+                        mailbox, counters, best) &&
+        any)
+      return best;
     const int axis = next.x <= next.y && next.x <= next.z ? 0 : next.y <= next.z ? 1 : 2;
     // The in-cell rule: a hit beyond this cell may have a nearer one before it.
     if (static_cast<double>(best.t) < next[axis]) return best;
@@ -175,10 +173,8 @@ std::vector<std::uint32_t> box_query(const Grid& grid, const TriangleSoup& soup,
         const std::size_t cell = index_of(grid, {x, y, z});
         found.insert(found.end(), grid.items.begin() + grid.starts[cell], grid.items.begin() + grid.starts[cell + 1]);
       }
-  std::sort(found.begin(), found.end());
-  found.erase(std::unique(found.begin(), found.end()), found.end());
-  std::erase_if(found, [&](std::uint32_t i) { return !triangle_touches_box(soup.triangle(i), box); });
-  return found;
+  return unique_places(std::move(found), soup,
+                       [&](const glm::vec3* corners) { return triangle_touches_box(corners, box); });
 }
 
 std::vector<std::uint32_t> frustum_query(const Grid& grid, const TriangleSoup& soup, const Frustum& frustum) {
@@ -191,10 +187,8 @@ std::vector<std::uint32_t> frustum_query(const Grid& grid, const TriangleSoup& s
         if (classify(frustum, box_of(grid, {x, y, z})) == Containment::outside) continue;
         found.insert(found.end(), grid.items.begin() + grid.starts[cell], grid.items.begin() + grid.starts[cell + 1]);
       }
-  std::sort(found.begin(), found.end());
-  found.erase(std::unique(found.begin(), found.end()), found.end());
-  std::erase_if(found, [&](std::uint32_t i) { return !triangle_touches_frustum(soup.triangle(i), frustum); });
-  return found;
+  return unique_places(std::move(found), soup,
+                       [&](const glm::vec3* corners) { return triangle_touches_frustum(corners, frustum); });
 }
 
 }  // namespace sightline

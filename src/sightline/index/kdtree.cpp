@@ -5,11 +5,12 @@
 #include <cmath>
 
 #include "sightline/geometry/triangle_overlap.hpp"
+#include "sightline/index/cell_items.hpp"
 
 namespace sightline {
 namespace {
 
-constexpr int bins = 32;
+constexpr int most_bins = 32;
 
 struct Plane1 {
   int axis = -1;
@@ -106,15 +107,23 @@ class Builder {
     const float area = task.cell.half_area();
     float best_cost = static_cast<float>(task.items.size()) * area;
     if (task.items.size() <= 1) return best;
-    std::array<std::array<std::uint32_t, bins>, 3> starts{}, ends{};
+    // Most nodes hold few triangles, and looking at borders costs more there than at triangles.
+    const int bins = task.items.size() > 64 ? most_bins : task.items.size() > 16 ? 16 : 8;
+    std::array<std::array<std::uint32_t, most_bins>, 3> starts, ends;
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      std::fill_n(starts[axis].begin(), bins, 0u);
+      std::fill_n(ends[axis].begin(), bins, 0u);
+    }
+    glm::vec3 scale(0.0f);
+    for (int axis = 0; axis < 3; ++axis)
+      if (extent[axis] > 0.0f) scale[axis] = static_cast<float>(bins) / extent[axis];
     for (const std::uint32_t item : task.items) {
       const Aabb box = triangle_bounds(soup_.triangle(item));
       for (std::size_t axis = 0; axis < 3; ++axis) {
         const int a = static_cast<int>(axis);
-        const float scale = extent[a] > 0.0f ? static_cast<float>(bins) / extent[a] : 0.0f;
         const auto bin = [&](float x) {
-          return static_cast<std::size_t>(
-              std::clamp((x - task.cell.lo[a]) * scale, 0.0f, static_cast<float>(bins - 1)));
+          const float place = (x - task.cell.lo[a]) * scale[a];
+          return static_cast<std::size_t>(static_cast<int>(std::clamp(place, 0.0f, static_cast<float>(bins - 1))));
         };
         ++starts[axis][bin(box.lo[a])];
         ++ends[axis][bin(box.hi[a])];
@@ -202,13 +211,7 @@ RayHit walk(const KdTree& tree, const TriangleSoup& soup, const TraceRay& ray, T
       }
       continue;
     }
-    for (std::uint32_t i = node.split_bits; i < node.split_bits + node.first; ++i) {
-      const std::uint32_t triangle = tree.items[i];
-      if (!mailbox.enter(triangle)) continue;
-      ++counters.tests;
-      if (counters.tested != nullptr) counters.tested->push_back(triangle);
-      if (try_triangle(ray, soup, triangle, best) && any) return best;
-    }
+    if (test_items<any>(tree.items_of(now.node), soup, ray, mailbox, counters, best) && any) return best;
     do {
       if (top == 0) return best;
       now = stack[--top];
@@ -222,37 +225,6 @@ RayHit trace(const KdTree& tree, const TriangleSoup& soup, const Ray& ray, Trace
   TraceRay prepared;
   if (tree.nodes.empty() || !prepare(ray, tree.space, prepared)) return {};
   return finish(prepared, walk<any>(tree, soup, prepared, counters));
-}
-
-template <class Keep, class Take>
-std::vector<std::uint32_t> query(const KdTree& tree, const TriangleSoup& soup, Keep&& keep, Take&& take) {
-  std::vector<std::uint32_t> found;
-  struct Task {
-    Aabb cell;
-    std::uint32_t node;
-  };
-  std::vector<Task> stack;
-  if (!tree.nodes.empty()) stack.push_back({tree.bounds, 0});
-  while (!stack.empty()) {
-    const Task task = stack.back();
-    stack.pop_back();
-    if (!keep(task.cell)) continue;
-    const KdNode& node = tree.nodes[task.node];
-    if (node.axis == 3) {
-      const auto first = tree.items.begin() + node.split_bits;
-      found.insert(found.end(), first, first + node.first);
-      continue;
-    }
-    Task low{task.cell, node.first}, high{task.cell, node.first + 1u};
-    low.cell.hi[static_cast<int>(node.axis)] = high.cell.lo[static_cast<int>(node.axis)] =
-        std::bit_cast<float>(node.split_bits);
-    stack.push_back(low);
-    stack.push_back(high);
-  }
-  std::sort(found.begin(), found.end());
-  found.erase(std::unique(found.begin(), found.end()), found.end());
-  std::erase_if(found, [&](std::uint32_t i) { return !take(soup.triangle(i)); });
-  return found;
 }
 
 }  // namespace
@@ -272,13 +244,13 @@ bool trace_any(const KdTree& tree, const TriangleSoup& soup, const Ray& ray, Tra
 }
 
 std::vector<std::uint32_t> box_query(const KdTree& tree, const TriangleSoup& soup, const Aabb& box) {
-  return query(
+  return query_cells(
       tree, soup, [&](const Aabb& b) { return b.overlaps(box); },
       [&](const glm::vec3* corners) { return triangle_touches_box(corners, box); });
 }
 
 std::vector<std::uint32_t> frustum_query(const KdTree& tree, const TriangleSoup& soup, const Frustum& frustum) {
-  return query(
+  return query_cells(
       tree, soup, [&](const Aabb& b) { return classify(frustum, b) != Containment::outside; },
       [&](const glm::vec3* corners) { return triangle_touches_frustum(corners, frustum); });
 }

@@ -2,7 +2,11 @@
 // the surface area heuristic (Wald and Havran 2006, binned). Promise of the walk: the hits of brute force.
 #pragma once
 
+#include <bit>
+#include <span>
+
 #include "sightline/geometry/frustum.hpp"
+#include "sightline/index/large_pages.hpp"
 #include "sightline/index/trace.hpp"
 
 namespace sightline {
@@ -19,10 +23,26 @@ static_assert(sizeof(KdNode) == 8);
 struct KdTree {
   TraceSpace space;
   Aabb bounds;                // of the root cell
-  std::vector<KdNode> nodes;  // nodes[0] is the root; empty if there are no triangles
-  std::vector<std::uint32_t> items;
+  PagedVector<KdNode> nodes;  // nodes[0] is the root; empty if there are no triangles
+  PagedVector<std::uint32_t> items;
 
   [[nodiscard]] std::size_t bytes() const { return nodes.size() * sizeof(KdNode) + items.size() * 4; }
+  /// Of a leaf; none of an inner node.
+  [[nodiscard]] std::span<const std::uint32_t> items_of(std::uint32_t node) const {
+    const KdNode& n = nodes[node];
+    return n.axis == 3 ? std::span(items).subspan(n.split_bits, n.first) : std::span<const std::uint32_t>();
+  }
+  /// Calls visit(cell, node) for the children of a node with this cell.
+  template <class Visit>
+  void for_each_child(std::uint32_t node, const Aabb& cell, Visit&& visit) const {
+    const KdNode& n = nodes[node];
+    if (n.axis == 3) return;
+    Aabb low = cell, high = cell;
+    const auto axis = static_cast<int>(n.axis);
+    low.hi[axis] = high.lo[axis] = std::bit_cast<float>(n.split_bits);
+    visit(low, n.first);
+    visit(high, n.first + 1u);
+  }
 };
 
 enum class KdSplit { median, sah };

@@ -26,38 +26,25 @@ bool enter_box(const Ray& ray, const glm::dvec3& lo, const glm::dvec3& hi, doubl
 }  // namespace
 
 TraceSpace trace_space(const Aabb& bounds) {
-  TraceSpace space{bounds, 0.0f};
+  TraceSpace space;
+  space.bounds = bounds;
+  if (bounds.empty()) return space;
   // Coordinates relative to an origin are at most twice the largest extent; shearing loses less than 8 * 2^-24 of that.
-  if (!bounds.empty()) space.slack = std::max(largest(bounds.extent()) * 0x1p-20f, 1e-30f);
+  const float extent = largest(bounds.extent());
+  space.slack = std::max(extent * 0x1p-20f, 1e-30f);
+  space.reach = {bounds.lo - extent, bounds.hi + extent};
   return space;
 }
 
-bool prepare(const Ray& ray, const TraceSpace& space, TraceRay& prepared) {
-  if (!is_ray(ray) || space.bounds.empty()) return false;
-  prepared.origin = ray.origin;
-  prepared.direction = ray.direction;
-  prepared.moved = 0.0;
-  const float extent = largest(space.bounds.extent());
-  const glm::vec3 outside = glm::max(space.bounds.lo - ray.origin, ray.origin - space.bounds.hi);
-  if (largest(outside) > extent) {
-    const glm::dvec3 margin(0.5 * static_cast<double>(extent));
-    double enter = 0.0;
-    if (!enter_box(ray, glm::dvec3(space.bounds.lo) - margin, glm::dvec3(space.bounds.hi) + margin, enter))
-      return false;
-    prepared.moved = std::max(enter, 0.0);
-    prepared.origin = glm::vec3(point_at(ray, prepared.moved));
-  }
+bool approach(const Ray& ray, const TraceSpace& space, TraceRay& prepared) {
+  if (space.bounds.empty()) return false;
+  const glm::dvec3 margin(0.5 * static_cast<double>(largest(space.bounds.extent())));
+  double enter = 0.0;
+  if (!enter_box(ray, glm::dvec3(space.bounds.lo) - margin, glm::dvec3(space.bounds.hi) + margin, enter)) return false;
+  prepared.moved = std::max(enter, 0.0);
+  prepared.origin = glm::vec3(point_at(ray, prepared.moved));
   prepared.t_near = static_cast<float>(std::max(0.0, static_cast<double>(ray.t_near) - prepared.moved));
   prepared.t_far = static_cast<float>(static_cast<double>(ray.t_far) - prepared.moved);
-  if (!(prepared.t_near <= prepared.t_far)) return false;
-  prepared.shear = shear_of(prepared.origin, ray.direction);
-  // A component so small that it moves the ray by less than the slack over the whole scene counts as that small number.
-  const float least = largest(glm::abs(ray.direction)) * 1e-12f;
-  for (int axis = 0; axis < 3; ++axis) {
-    const float d = ray.direction[axis];
-    prepared.inverse[axis] = 1.0f / std::copysign(std::max(std::abs(d), least), d);
-    prepared.slack[axis] = space.slack * std::abs(prepared.inverse[axis]);
-  }
   return true;
 }
 

@@ -32,30 +32,14 @@ struct TraceCounters {
   std::vector<std::uint32_t>* tested = nullptr;
 };
 
-/// Triangles that a ray has been tested against lately, for structures that keep a triangle in several cells (E24,
-/// mailboxing without memory shared between rays).
-class Mailbox {
- public:
-  Mailbox() { std::fill(last_, last_ + slots, no_triangle); }
-  /// True the first time, and again once another triangle took the slot.
-  bool enter(std::uint32_t triangle) {
-    std::uint32_t& slot = last_[triangle % slots];
-    if (slot == triangle) return false;
-    slot = triangle;
-    return true;
-  }
-
- private:
-  static constexpr std::size_t slots = 32;
-  std::uint32_t last_[slots];
-};
-
 /// The space that the triangles of a soup fill, and how far things are moved to the safe side in it.
 struct TraceSpace {
   Aabb bounds;
   /// Metres. A line that the triangle test accepts comes closer than this to the triangle; for origins no farther
   /// outside than the largest extent of the bounds, which prepare() sees to.
   float slack = 0.0f;
+  /// The bounds, one extent larger on every side: rays from elsewhere are moved.
+  Aabb reach;
 };
 TraceSpace trace_space(const Aabb& bounds);
 
@@ -69,8 +53,30 @@ struct TraceRay {
   double moved;  // parameter of the moved origin
 };
 
+/// Moves the origin of a ray from outside the reach to before the bounds; false if it passes them far away, or they are
+/// empty. Sets origin, moved and the interval.
+bool approach(const Ray& ray, const TraceSpace& space, TraceRay& prepared);
+
 /// False if the ray meets nothing for certain: is no ray (NaN, ...), or passes the bounds far away.
-bool prepare(const Ray& ray, const TraceSpace& space, TraceRay& prepared);
+[[gnu::always_inline]] inline bool prepare(const Ray& ray, const TraceSpace& space, TraceRay& prepared) {
+  if (!is_ray(ray)) return false;
+  prepared.origin = ray.origin;
+  prepared.direction = ray.direction;
+  prepared.moved = 0.0;
+  prepared.t_near = std::max(0.0f, ray.t_near);
+  prepared.t_far = ray.t_far;
+  if (!space.reach.contains(ray.origin) && !approach(ray, space, prepared)) return false;
+  if (!(prepared.t_near <= prepared.t_far)) return false;
+  set_shear(prepared.shear, prepared.origin, ray.direction);
+  // A component so small that it moves the ray by less than the slack over the whole scene counts as that small number.
+  const glm::vec3 size = glm::abs(ray.direction);
+  const float least = std::max({size.x, size.y, size.z}) * 1e-12f;
+  for (int axis = 0; axis < 3; ++axis) {
+    prepared.inverse[axis] = 1.0f / std::copysign(std::max(size[axis], least), ray.direction[axis]);
+    prepared.slack[axis] = space.slack * std::abs(prepared.inverse[axis]);
+  }
+  return true;
+}
 
 /// The hit in the parameter of the ray as it was given.
 inline RayHit finish(const TraceRay& ray, const RayHit& hit) {
@@ -94,8 +100,8 @@ inline void pass_box(const TraceRay& ray, const glm::vec3& lo, const glm::vec3& 
 /// The test that decides: watertight, with t held within the passage of the ray through the triangle's box (edge-on a
 /// computed t may lie anywhere on the triangle). True, and `best` replaced, if the triangle is hit within [t_near,
 /// best.t] and nearer than best, or as near and of a lower place.
-inline bool try_triangle(const TraceRay& ray, const float* a, const float* b, const float* c, std::uint32_t place,
-                         RayHit& best) {
+[[gnu::always_inline]] inline bool try_triangle(const TraceRay& ray, const float* a, const float* b, const float* c,
+                                                std::uint32_t place, RayHit& best) {
   ShearedHit hit{};
   if (!hit_sheared(ray.shear, a, b, c, hit)) return false;
   float enter = -std::numeric_limits<float>::infinity(), leave = -enter;

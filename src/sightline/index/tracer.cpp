@@ -9,6 +9,7 @@
 #include "sightline/index/bvh_trace.hpp"
 #include "sightline/index/grid.hpp"
 #include "sightline/index/kdtree.hpp"
+#include "sightline/index/plane_tree.hpp"
 
 namespace sightline {
 namespace {
@@ -144,6 +145,9 @@ Made make_kd_median(const TriangleSoup& soup) {
   return std::make_unique<CellTracer<KdTree>>(soup, build_kdtree(soup, {.split = KdSplit::median}));
 }
 Made make_kdtree(const TriangleSoup& soup) { return std::make_unique<CellTracer<KdTree>>(soup, build_kdtree(soup)); }
+Made make_bsp(const TriangleSoup& soup) {
+  return std::make_unique<CellTracer<PlaneTree>>(soup, build_plane_tree(soup));
+}
 Made make_brute(const TriangleSoup& soup) { return std::make_unique<BruteTracer>(soup); }
 
 constexpr std::array kinds{
@@ -159,6 +163,7 @@ constexpr std::array kinds{
     TracerKind{"octree", "three axes halved per node", make_octree},
     TracerKind{"quadtree", "two axes halved per node", make_quadtree},
     TracerKind{"grid", "uniform voxels, walked cell by cell", make_grid},
+    TracerKind{"bsp_pca", "one plane per node, across the principal axis", make_bsp},
     TracerKind{"brute", "every triangle for every ray", make_brute},
 };
 

@@ -7,6 +7,7 @@
 
 #include "sightline/parallel/parallel.hpp"
 #include "sightline/scene/input_error.hpp"
+#include "sightline/surface/image_triangle.hpp"
 
 namespace sightline {
 namespace {
@@ -41,58 +42,6 @@ World gather(const Scene& scene) {
   return world;
 }
 
-/// A corner in the image; w grows towards the eye and is affine in the image (E5): 1 / distance, or minus the distance
-/// for orthographic cameras.
-struct Corner {
-  double x, y, w;
-};
-
-double edge(const Corner& a, const Corner& b, double x, double y) {
-  return (b.x - a.x) * (y - a.y) - (b.y - a.y) * (x - a.x);
-}
-
-/// A triangle of the image, turned so that edge() is positive inside (y down). Depth as w = w0 + wx x + wy y.
-struct ImageTriangle {
-  std::array<Corner, 3> c;
-  std::array<double, 3> ex, ey, e0;  // edge i as e0 + ex * x + ey * y, exactly negated for the neighbour
-  std::array<bool, 3> owns;
-  double wx, wy, w0, low, high;
-
-  bool set(const Corner& a, const Corner& b, const Corner& d) {
-    c = {a, b, d};
-    const double area = edge(a, b, d.x, d.y);
-    if (!(area != 0.0) || !std::isfinite(area)) return false;
-    if (area < 0.0) std::swap(c[1], c[2]);
-    const double inverse = 1.0 / std::abs(area);
-    wx = wy = 0.0;
-    for (std::size_t i = 0; i < 3; ++i) {
-      const Corner &p = c[i], &q = c[(i + 1) % 3];
-      // Coordinates are relative to the image; p x q in one order of operations, so that q x p is its negative.
-      ex[i] = p.y - q.y;
-      ey[i] = q.x - p.x;
-      e0[i] = p.x * q.y - p.y * q.x;
-      owns[i] = ex[i] > 0.0 || (ex[i] == 0.0 && ey[i] > 0.0);
-      const double w = c[(i + 2) % 3].w * inverse;
-      wx += ex[i] * w;
-      wy += ey[i] * w;
-    }
-    w0 = c[0].w - wx * c[0].x - wy * c[0].y;
-    low = std::min({c[0].w, c[1].w, c[2].w});
-    high = std::max({c[0].w, c[1].w, c[2].w});
-    return true;
-  }
-  [[nodiscard]] double value(std::size_t i, double x, double y) const { return ex[i] * x + (ey[i] * y + e0[i]); }
-  [[nodiscard]] bool covers(double x, double y) const {
-    for (std::size_t i = 0; i < 3; ++i) {
-      const double v = value(i, x, y);
-      if (v < 0.0 || (v == 0.0 && !owns[i])) return false;
-    }
-    return true;
-  }
-  /// Clamped, because the slopes of a sliver are mostly rounding.
-  [[nodiscard]] double w_at(double x, double y) const { return std::clamp(w0 + (wx * x + wy * y), low, high); }
-};
-
 struct Sample {
   float w;
   std::uint32_t face;
@@ -120,12 +69,15 @@ class CameraWork {
     samples_.assign(world_.faces.size(), 0);
     seen_.assign(world_.faces.size(), 0);
     for (std::uint32_t face = 0; face < world_.faces.size(); ++face)
-      if (world_.opaque[face] != 0) for_triangles(face, [&](const ImageTriangle& t) { draw(t, face); });
+      if (world_.opaque[face] != 0)
+        for_triangles(
+            face, [&](const ImageBox& box, double nearest) { return may_be_drawn(box, nearest); },
+            [&](const ImageTriangle& t) { draw(t, face); });
     for (const Sample& sample : buffer_)
       if (sample.face != no_face) ++samples_[sample.face];
     if (world_.any_glass)
       for (std::uint32_t face = 0; face < world_.faces.size(); ++face)
-        if (world_.opaque[face] == 0) for_triangles(face, [&](const ImageTriangle& t) { count(t, face); });
+        if (world_.opaque[face] == 0) for_triangles(face, any_box, [&](const ImageTriangle& t) { count(t, face); });
     for (std::size_t face = 0; face < samples_.size(); ++face) seen_[face] = samples_[face] > 0 ? 1 : 0;
     if (config_.extra_points >= 1) ask(true);
     if (config_.extra_points >= 2) ask(false);
@@ -152,9 +104,12 @@ class CameraWork {
     }
   }
 
-  /// Calls f with the image of the face, or of the parts of it beyond the near plane.
-  template <class F>
-  void for_triangles(std::uint32_t face, F&& f) {
+  static bool any_box(const ImageBox&, double) { return true; }
+
+  /// Calls f with the image of the face, or of the parts of it beyond the near plane. Before the work of setting up
+  /// triangles, wanted(their box, their nearest w) is asked where nothing is clipped: most faces end there.
+  template <class Wanted, class F>
+  void for_triangles(std::uint32_t face, Wanted&& wanted, F&& f) {
     const glm::uvec3& v = world_.faces[face];
     const std::array<std::uint32_t, 3> ids{v.x, v.y, v.z};
     int behind = 0;
@@ -163,11 +118,9 @@ class CameraWork {
     ImageTriangle triangle;
     if (behind == 0) {
       const Corner &a = corners_[v.x], &b = corners_[v.y], &c = corners_[v.z];
-      // Most faces of other cameras' views end here.
-      if (std::max({a.x, b.x, c.x}) < 0.0 || std::min({a.x, b.x, c.x}) > camera_->width ||
-          std::max({a.y, b.y, c.y}) < 0.0 || std::min({a.y, b.y, c.y}) > camera_->height)
-        return;
-      if (triangle.set(a, b, c)) f(triangle);
+      const ImageBox box = box_of(a, b, c);
+      if (box.max_x < 0.0 || box.min_x > camera_->width || box.max_y < 0.0 || box.min_y > camera_->height) return;
+      if (wanted(box, std::max({a.w, b.w, c.w})) && triangle.set(a, b, c)) f(triangle);
       return;
     }
     std::array<Corner, 4> kept{};
@@ -186,16 +139,54 @@ class CameraWork {
       if (triangle.set(kept[0], kept[i - 1], kept[i])) f(triangle);
   }
 
+  /// Pixels whose centres lie in the box, and perhaps one more on a side.
+  [[nodiscard]] PixelBox centres_in(const ImageBox& box) const {
+    const auto first = [](double min, double size) {
+      const double v = std::clamp(min - 0.5, 0.0, size);
+      const int i = static_cast<int>(v);
+      return i + (static_cast<double>(i) < v ? 1 : 0);
+    };
+    const auto last = [](double max, double size) {
+      return static_cast<int>(std::clamp(max - 0.5, -1.0, size - 1.0) + 1.0) - 1;
+    };
+    return {first(box.min_x, camera_->width), last(box.max_x, camera_->width), first(box.min_y, camera_->height),
+            last(box.max_y, camera_->height)};
+  }
+  /// Pixels that touch the box.
+  [[nodiscard]] PixelBox pixels_of(const ImageBox& box) const {
+    const auto pixel = [](double at, double size) { return static_cast<int>(std::clamp(at, 0.0, size - 1.0)); };
+    return {pixel(box.min_x, camera_->width), pixel(box.max_x, camera_->width), pixel(box.min_y, camera_->height),
+            pixel(box.max_y, camera_->height)};
+  }
+  /// Calls f(first, past the last) with the places of the pixels of each row until it returns true; whether it did.
+  template <class F>
+  bool any_row(const PixelBox& box, F&& f) const {
+    for (int y = box.y0; y <= box.y1; ++y) {
+      const std::size_t row = static_cast<std::size_t>(y) * static_cast<std::size_t>(camera_->width);
+      if (f(row + static_cast<std::size_t>(box.x0), row + static_cast<std::size_t>(box.x1) + 1)) return true;
+    }
+    return false;
+  }
+
+  static bool is_nearer(float w, const Sample& sample) { return w > sample.w + depth_tie * std::abs(sample.w); }
+
+  /// False for triangles without a pixel centre and small ones behind all that is drawn where they are.
+  [[nodiscard]] bool may_be_drawn(const ImageBox& box, double nearest) const {
+    const PixelBox pixels = centres_in(box);
+    if (pixels.empty()) return false;
+    if (pixels.count() > small) return true;
+    const auto w = static_cast<float>(nearest);
+    return any_row(pixels, [&](std::size_t at, std::size_t end) {
+      for (; at < end; ++at)
+        if (is_nearer(w, buffer_[at])) return true;
+      return false;
+    });
+  }
+
   /// Calls put(pixel, w) for the pixel centres in the triangle, between near and far.
   template <class Put>
   void scan(const ImageTriangle& t, Put&& put) const {
-    const auto [min_x, max_x] = std::minmax({t.c[0].x, t.c[1].x, t.c[2].x});
-    const auto [min_y, max_y] = std::minmax({t.c[0].y, t.c[1].y, t.c[2].y});
-    const double width = camera_->width, height = camera_->height;
-    const int x0 = static_cast<int>(std::ceil(std::clamp(min_x - 0.5, 0.0, width)));
-    const int x1 = static_cast<int>(std::floor(std::clamp(max_x - 0.5, -1.0, width - 1.0)));
-    const int y0 = static_cast<int>(std::ceil(std::clamp(min_y - 0.5, 0.0, height)));
-    const int y1 = static_cast<int>(std::floor(std::clamp(max_y - 0.5, -1.0, height - 1.0)));
+    const auto [x0, x1, y0, y1] = centres_in(box_of(t.c[0], t.c[1], t.c[2]));
     for (int y = y0; y <= y1; ++y) {
       const double py = y + 0.5;
       int left = x0, right = x1;
@@ -227,7 +218,7 @@ class CameraWork {
       const auto near = static_cast<float>(w);
       Sample& sample = buffer_[at];
       // Nearer by more than rounding: of coplanar faces the lower one was first and stays.
-      if (near > sample.w + depth_tie * std::abs(sample.w)) sample = {near, face};
+      if (is_nearer(near, sample)) sample = {near, face};
     });
   }
 
@@ -240,6 +231,8 @@ class CameraWork {
   /// The corners of the triangle clipped to the viewport.
   void clip_to_viewport(const ImageTriangle& t) {
     polygon_.assign(t.c.begin(), t.c.end());
+    const ImageBox box = box_of(t.c[0], t.c[1], t.c[2]);
+    if (box.min_x >= 0.0 && box.max_x <= camera_->width && box.min_y >= 0.0 && box.max_y <= camera_->height) return;
     const double limits[4] = {0.0, static_cast<double>(camera_->width), 0.0, static_cast<double>(camera_->height)};
     for (int side = 0; side < 4 && !polygon_.empty(); ++side) {
       const auto inside = [&](const Corner& c) {
@@ -259,14 +252,42 @@ class CameraWork {
     }
   }
 
+  /// Asks for a point of a face, unless it is outside or one of the faces drawn around it hides it: with these, most
+  /// points of hidden faces are done.
   void add_query(const ImageTriangle& t, double x, double y, std::uint32_t face) {
     if (!(x >= 0.0 && y >= 0.0 && x < camera_->width && y < camera_->height)) return;
-    const double w = t.w_at(x, y);
-    if (!(w <= w_near_ && w >= w_far_)) return;
+    const Query query{x, y, t.w_at(x, y), face, no_face};
+    if (!(query.w <= w_near_ && query.w >= w_far_) || hidden_by_neighbours(query)) return;
     const std::size_t at =
         static_cast<std::size_t>(y) * static_cast<std::size_t>(camera_->width) + static_cast<std::size_t>(x);
-    queries_.push_back({x, y, w, face, heads_[at]});
+    queries_.push_back(query);
+    queries_.back().next = heads_[at];
     heads_[at] = static_cast<std::uint32_t>(queries_.size() - 1);
+  }
+
+  [[nodiscard]] bool hidden_by_neighbours(const Query& query) const {
+    const PixelBox around = pixels_of({query.x - 1.0, query.x + 1.0, query.y - 1.0, query.y + 1.0});
+    const std::size_t own = static_cast<std::size_t>(query.y) * static_cast<std::size_t>(camera_->width) +
+                            static_cast<std::size_t>(query.x);
+    std::uint32_t tried = query.face;
+    const auto hidden_by = [&](std::size_t at) {
+      const std::uint32_t face = buffer_[at].face;
+      if (face == no_face || face == tried) return false;
+      tried = face;
+      const glm::uvec3& v = world_.faces[face];
+      if (points_[v.x].z < camera_->near || points_[v.y].z < camera_->near || points_[v.z].z < camera_->near)
+        return false;
+      ImageTriangle t;
+      if (!t.set_edges(corners_[v.x], corners_[v.y], corners_[v.z]) || !t.covers(query.x, query.y)) return false;
+      t.set_depth();
+      return hides(t, face, query);
+    };
+    if (hidden_by(own)) return true;
+    return any_row(around, [&](std::size_t at, std::size_t end) {
+      for (; at < end; ++at)
+        if (at != own && hidden_by(at)) return true;
+      return false;
+    });
   }
 
   /// Puts further points on the faces that nobody has seen yet, and lets every opaque face take away those behind it.
@@ -275,7 +296,7 @@ class CameraWork {
     queries_.clear();
     for (std::uint32_t face = 0; face < world_.faces.size(); ++face) {
       if (seen_[face] != 0) continue;
-      for_triangles(face, [&](const ImageTriangle& t) {
+      for_triangles(face, any_box, [&](const ImageTriangle& t) {
         clip_to_viewport(t);
         if (polygon_.size() < 3) return;
         double x = 0.0, y = 0.0;
@@ -295,26 +316,27 @@ class CameraWork {
         }
       });
     }
+    const auto meets_queries = [&](const ImageBox& box, double) {
+      const PixelBox pixels = pixels_of(box);
+      return pixels.count() > small || any_row(pixels, [&](std::size_t at, std::size_t end) {
+               for (; at < end; ++at)
+                 if (heads_[at] != no_face) return true;
+               return false;
+             });
+    };
     for (std::uint32_t face = 0; face < world_.faces.size(); ++face)
-      if (world_.opaque[face] != 0) for_triangles(face, [&](const ImageTriangle& t) { hide(t, face); });
+      if (world_.opaque[face] != 0) for_triangles(face, meets_queries, [&](const ImageTriangle& t) { hide(t, face); });
     for (const std::uint32_t head : heads_)
       for (std::uint32_t q = head; q != no_face; q = queries_[q].next) seen_[queries_[q].face] = 1;
   }
 
   /// Takes the points that the triangle hides out of the lists of its pixels.
   void hide(const ImageTriangle& t, std::uint32_t face) {
-    const auto [min_x, max_x] = std::minmax({t.c[0].x, t.c[1].x, t.c[2].x});
-    const auto [min_y, max_y] = std::minmax({t.c[0].y, t.c[1].y, t.c[2].y});
-    const double width = camera_->width - 1.0, height = camera_->height - 1.0;
-    if (max_x < 0.0 || max_y < 0.0 || min_x > width + 1.0 || min_y > height + 1.0) return;
-    const int x0 = static_cast<int>(std::clamp(min_x, 0.0, width)),
-              x1 = static_cast<int>(std::clamp(max_x, 0.0, width));
-    const int y0 = static_cast<int>(std::clamp(min_y, 0.0, height)),
-              y1 = static_cast<int>(std::clamp(max_y, 0.0, height));
-    for (int y = y0; y <= y1; ++y) {
-      const std::size_t row = static_cast<std::size_t>(y) * static_cast<std::size_t>(camera_->width);
-      for (int x = x0; x <= x1; ++x) {
-        std::uint32_t* link = &heads_[row + static_cast<std::size_t>(x)];
+    const ImageBox box = box_of(t.c[0], t.c[1], t.c[2]);
+    if (box.max_x < 0.0 || box.max_y < 0.0 || box.min_x > camera_->width || box.min_y > camera_->height) return;
+    (void)any_row(pixels_of(box), [&](std::size_t at, std::size_t end) {
+      for (; at < end; ++at) {
+        std::uint32_t* link = &heads_[at];
         while (*link != no_face) {
           Query& query = queries_[*link];
           if (hides(t, face, query))
@@ -323,7 +345,8 @@ class CameraWork {
             link = &query.next;
         }
       }
-    }
+      return false;
+    });
   }
 
   [[nodiscard]] bool hides(const ImageTriangle& t, std::uint32_t face, const Query& query) const {
@@ -333,6 +356,8 @@ class CameraWork {
     const double tie = 1e-10 * (std::abs(w) + std::abs(query.w));
     return w > query.w + tie || (w >= query.w - tie && face < query.face && world_.opaque[query.face] != 0);
   }
+
+  static constexpr int small = 16;  // pixels that are looked at before a triangle is set up
 
   const World& world_;
   const VisibleFacesConfig config_;

@@ -5,14 +5,27 @@
 #include <cmath>
 #include <limits>
 
+#include "sightline/index/bvh8.hpp"
 #include "sightline/parallel/parallel.hpp"
-#include "sightline/raster/scene_rays.hpp"
+#include "sightline/scene/scene_soup.hpp"
 
 namespace sightline {
 namespace {
 
-using Blockers = SceneRays::Blockers;
 constexpr double far_away = 1e16;
+
+/// origin + t * direction for t in [t_min, t_max].
+struct LightRay {
+  glm::dvec3 origin{0.0}, direction{0.0};
+  double t_min = 0.0, t_max = 0.0;
+};
+
+struct Surface {
+  double t = 0.0;
+  ObjectId object = no_object;
+  std::uint32_t triangle = 0;
+  std::uint32_t place = 0;  // in the soup
+};
 
 /// Muted hues, apart by the golden ratio.
 glm::vec3 colour_of(ObjectId id) {
@@ -36,16 +49,17 @@ std::uint32_t pack(const glm::vec3& colour) {
 
 class Whitted final : public Renderer {
  public:
-  Whitted(const Scene& scene, const WhittedConfig& config) : scene_(scene), config_(config), rays_(scene) {
+  Whitted(const Scene& scene, const WhittedConfig& config) : scene_(scene), config_(config) {
     if (config_.lights.empty()) config_.lights.push_back({{0.4, 1.0, 0.3}, true, glm::vec3(1.0f)});
-    // Far enough that a ray leaves the surface it starts at, near enough that nothing fits between.
-    offset_ = 1e-6 * std::max(1e-3, static_cast<double>(reach(scene.bounds())));
+    // Far enough that a ray leaves the surface it starts at (hits are within 2^-20 of the extent, and rays are floats),
+    // near enough that nothing fits between.
+    offset_ = 0x1p-18 * std::max(1e-3, static_cast<double>(reach(scene.bounds())));
   }
 
   void draw(const View& view, const VisibleSet& visible, Frame& frame, Counters& counters) override {
     frame.clear(view.width, view.height);
     frame.colour.assign(frame.object.size(), pack(config_.sky));
-    visible_ = &visible;
+    prepare_tree(visible);
     std::atomic<std::uint64_t> traced{0};
     parallel_blocks(static_cast<std::size_t>(view.height), 4, [&](std::size_t begin, std::size_t end) {
       std::uint64_t count = 0;
@@ -60,12 +74,31 @@ class Whitted final : public Renderer {
   }
 
  private:
+  /// The tree holds the visible objects alone, and is kept as long as those are the same.
+  void prepare_tree(const VisibleSet& visible) {
+    std::vector<ObjectId> objects = visible.sorted();
+    if (built_ && objects == objects_) return;
+    objects_ = std::move(objects);
+    soup_ = soup_of(scene_, objects_);
+    tree_ = build_bvh8(soup_);
+    built_ = true;
+  }
+
+  bool nearest(const LightRay& ray, Surface& surface) const {
+    const RayHit hit = trace_nearest(tree_, {glm::vec3(ray.origin), static_cast<float>(ray.t_min),
+                                             glm::vec3(ray.direction), static_cast<float>(ray.t_max)});
+    if (!hit.found()) return false;
+    const TriangleSoup::Ids ids = soup_.ids(hit.triangle);
+    surface = {static_cast<double>(hit.t), ids.object, ids.triangle, hit.triangle};
+    return true;
+  }
+
   void draw_pixel(const View& view, int x, int y, Frame& frame, std::uint64_t& count) const {
     const PixelRay pixel = pixel_ray(view, x + 0.5, y + 0.5);
-    const SceneRay ray{pixel.origin, pixel.direction, pixel.t_near, std::min(pixel.t_far, far_away)};
-    SceneRayHit hit;
+    const LightRay ray{pixel.origin, pixel.direction, pixel.t_near, std::min(pixel.t_far, far_away)};
+    Surface hit;
     ++count;
-    if (!rays_.nearest(ray, hit, Blockers::all, visible_)) return;
+    if (!nearest(ray, hit)) return;
     const std::size_t at = frame.index(x, y);
     frame.depth[at] = static_cast<float>(hit.t);
     frame.object[at] = hit.object;
@@ -73,10 +106,10 @@ class Whitted final : public Renderer {
     frame.colour[at] = pack(shade(ray, hit, 0, count));
   }
 
-  [[nodiscard]] glm::vec3 trace(const SceneRay& ray, int depth, std::uint64_t& count) const {
-    SceneRayHit hit;
+  [[nodiscard]] glm::vec3 trace(const LightRay& ray, int depth, std::uint64_t& count) const {
+    Surface hit;
     ++count;
-    if (!rays_.nearest(ray, hit, Blockers::all, visible_)) return config_.sky;
+    if (!nearest(ray, hit)) return config_.sky;
     return shade(ray, hit, depth, count);
   }
 
@@ -95,12 +128,12 @@ class Whitted final : public Renderer {
   }
 
   /// The share of a light that arrives: each transparent surface on the way lets its part through.
-  [[nodiscard]] float light_share(SceneRay ray, std::uint64_t& count) const {
+  [[nodiscard]] float light_share(LightRay ray, std::uint64_t& count) const {
     float share = 1.0f;
     for (int i = 0; i < 64 && share > 1.0f / 512.0f; ++i) {
-      SceneRayHit hit;
+      Surface hit;
       ++count;
-      if (!rays_.nearest(ray, hit, Blockers::all, visible_)) return share;
+      if (!nearest(ray, hit)) return share;
       share *= material_of(hit.object).transmit;
       ray.t_min = std::nextafter(hit.t, far_away) + offset_;
       if (ray.t_min > ray.t_max) return share;
@@ -118,7 +151,7 @@ class Whitted final : public Renderer {
       const glm::dvec3 towards_light = way / distance;
       const double lit = glm::dot(normal, towards_light);
       if (lit <= 0.0) continue;
-      const SceneRay ray{point + offset_ * normal, towards_light, 0.0, light.distant ? far_away : distance};
+      const LightRay ray{point + offset_ * normal, towards_light, 0.0, light.distant ? far_away : distance};
       const float share = config_.shadows ? light_share(ray, count) : 1.0f;
       const glm::dvec3 mirrored = 2.0 * lit * normal - towards_light;
       const double gleam = std::pow(std::max(0.0, glm::dot(mirrored, towards_eye)), material.shininess);
@@ -129,10 +162,10 @@ class Whitted final : public Renderer {
     return sum;
   }
 
-  [[nodiscard]] glm::vec3 shade(const SceneRay& ray, const SceneRayHit& hit, int depth, std::uint64_t& count) const {
+  [[nodiscard]] glm::vec3 shade(const LightRay& ray, const Surface& hit, int depth, std::uint64_t& count) const {
     const WhittedMaterial material = material_of(hit.object);
-    glm::dvec3 c[3];
-    rays_.corners(hit.object, hit.triangle, c);
+    const glm::vec3* corner = soup_.triangle(hit.place);
+    const glm::dvec3 c[3] = {glm::dvec3(corner[0]), glm::dvec3(corner[1]), glm::dvec3(corner[2])};
     const glm::dvec3 outward = glm::normalize(glm::cross(c[1] - c[0], c[2] - c[0]));
     const glm::dvec3 direction = glm::normalize(ray.direction);
     const bool entering = glm::dot(outward, direction) < 0.0;
@@ -152,11 +185,11 @@ class Whitted final : public Renderer {
     const float own = std::max(0.0f, 1.0f - reflect - transmit);
     if (own > 0.0f) colour += own * own_colour(material, point, normal, -direction, count);
     if (reflect > 0.0f) {
-      const SceneRay mirrored{point + offset_ * normal, glm::reflect(direction, normal), 0.0, far_away};
+      const LightRay mirrored{point + offset_ * normal, glm::reflect(direction, normal), 0.0, far_away};
       colour += reflect * (depth < config_.depth ? trace(mirrored, depth + 1, count) : config_.sky);
     }
     if (transmit > 0.0f) {
-      const SceneRay behind{point - offset_ * normal, onward, 0.0, far_away};
+      const LightRay behind{point - offset_ * normal, onward, 0.0, far_away};
       colour += transmit * (depth < config_.depth ? trace(behind, depth + 1, count) : config_.sky);
     }
     return colour;
@@ -164,9 +197,11 @@ class Whitted final : public Renderer {
 
   const Scene& scene_;
   WhittedConfig config_;
-  const SceneRays rays_;
   double offset_ = 0.0;
-  const VisibleSet* visible_ = nullptr;
+  std::vector<ObjectId> objects_;
+  TriangleSoup soup_;
+  Bvh8 tree_;
+  bool built_ = false;
 };
 
 }  // namespace

@@ -1,0 +1,198 @@
+#include "sightline/index/plane_tree.hpp"
+
+#include <cmath>
+
+#include "sightline/geometry/pca.hpp"
+#include "sightline/geometry/triangle_overlap.hpp"
+#include "sightline/index/cell_items.hpp"
+
+namespace sightline {
+namespace {
+
+constexpr int most_depth = 100;
+
+class Builder {
+ public:
+  Builder(const TriangleSoup& soup, const PlaneTreeConfig& config) : soup_(soup), config_(config) {}
+
+  PlaneTree build() {
+    if (soup_.size() == 0) return {};
+    tree_.space = trace_space(bounds_of(soup_));
+    margin_ = 3.0 * static_cast<double>(tree_.space.slack);
+    const int limit =
+        std::min(config_.max_depth > 0 ? config_.max_depth
+                                       : 8 + static_cast<int>(1.3 * std::log2(static_cast<double>(soup_.size()))),
+                 most_depth);
+    std::vector<std::uint32_t> all(soup_.size());
+    for (std::uint32_t i = 0; i < all.size(); ++i) all[i] = i;
+    tree_.nodes.emplace_back();
+    std::vector<Task> stack;
+    stack.push_back({0, 0, std::move(all)});
+    while (!stack.empty()) {
+      Task task = std::move(stack.back());
+      stack.pop_back();
+      for (const std::uint32_t item : task.items)
+        tree_.nodes[task.node].bounds.extend(triangle_bounds(soup_.triangle(item)));
+      Task behind{0, task.depth + 1, {}}, front = behind;
+      if (task.depth >= limit || task.items.size() <= config_.leaf_size || !part(task, behind.items, front.items)) {
+        tree_.nodes[task.node].first = static_cast<std::uint32_t>(tree_.items.size());
+        tree_.nodes[task.node].count = static_cast<std::uint32_t>(task.items.size());
+        tree_.items.insert(tree_.items.end(), task.items.begin(), task.items.end());
+        continue;
+      }
+      behind.node = static_cast<std::uint32_t>(tree_.nodes.size());
+      front.node = behind.node + 1;
+      tree_.nodes[task.node].first = behind.node;
+      tree_.nodes.resize(tree_.nodes.size() + 2);
+      stack.push_back(std::move(front));
+      stack.push_back(std::move(behind));
+    }
+    return std::move(tree_);
+  }
+
+ private:
+  struct Task {
+    std::uint32_t node;
+    int depth;
+    std::vector<std::uint32_t> items;
+  };
+
+  /// False if the plane of principal axes leaves too many triangles on both sides to gain anything (E26), or the tree
+  /// would hold triangles more than five times on average.
+  bool part(const Task& task, std::vector<std::uint32_t>& behind, std::vector<std::uint32_t>& front) {
+    centres_.clear();
+    for (const std::uint32_t item : task.items) {
+      const glm::vec3* c = soup_.triangle(item);
+      centres_.push_back((glm::dvec3(c[0]) + glm::dvec3(c[1]) + glm::dvec3(c[2])) / 3.0);
+    }
+    const PrincipalAxes axes = principal_axes(centres_);
+    PlaneNode& node = tree_.nodes[task.node];
+    node.normal = axes.axes[0];
+    node.offset = -glm::dot(axes.axes[0], axes.mean);
+    for (const std::uint32_t item : task.items) {
+      double least = std::numeric_limits<double>::infinity(), most = -least;
+      for (int k = 0; k < 3; ++k) {
+        const double f = glm::dot(node.normal, glm::dvec3(soup_.triangle(item)[k])) + node.offset;
+        least = std::min(least, f);
+        most = std::max(most, f);
+      }
+      if (least <= margin_) behind.push_back(item);
+      if (most >= -margin_) front.push_back(item);
+    }
+    const std::size_t all = task.items.size(), twice = behind.size() + front.size() - all;
+    if (10 * std::max(behind.size(), front.size()) > 9 * all || 4 * twice > all) return false;
+    if (repeated_ + twice > 4 * soup_.size()) return false;
+    repeated_ += twice;
+    return true;
+  }
+
+  const TriangleSoup& soup_;
+  PlaneTreeConfig config_;
+  double margin_ = 0.0;
+  std::size_t repeated_ = 0;
+  std::vector<glm::dvec3> centres_;
+  PlaneTree tree_;
+};
+
+/// A passage of the ray; times in double, as the planes are.
+struct Step {
+  double enter, leave;
+  std::uint32_t node;
+};
+
+template <bool any>
+RayHit walk(const PlaneTree& tree, const TriangleSoup& soup, const TraceRay& ray, TraceCounters& counters) {
+  RayHit best{ray.t_far, no_triangle};
+  const glm::dvec3 origin(ray.origin), direction(ray.direction);
+  const double slack = 2.0 * static_cast<double>(tree.space.slack);
+  Step now{static_cast<double>(ray.t_near), static_cast<double>(ray.t_far), 0};
+  Mailbox mailbox;
+  Step stack[most_depth];
+  std::size_t top = 0;
+  for (;;) {
+    const PlaneNode& node = tree.nodes[now.node];
+    ++counters.nodes;
+    if (node.count == 0) {
+      const double height = glm::dot(node.normal, origin) + node.offset, climb = glm::dot(node.normal, direction);
+      const std::uint32_t first = node.first + (climb < 0.0 ? 1u : 0u), second = node.first + (climb < 0.0 ? 0u : 1u);
+      // The interval in which the ray is within the slack of the plane; all or nothing for one along it.
+      double from = (height < 0.0 ? 1.0 : -1.0) * std::numeric_limits<double>::infinity(), to = from;
+      if (climb != 0.0) {
+        const double t = -height / climb, width = slack / std::abs(climb);
+        from = t - width;
+        to = t + width;
+      } else if (std::abs(height) <= slack) {
+        from = -std::numeric_limits<double>::infinity();
+        to = -from;
+      }
+      const bool near = now.enter <= to, far = now.leave >= from;
+      if (near && far) {
+        stack[top++] = {std::max(now.enter, from), now.leave, second};
+        now = {now.enter, std::min(now.leave, to), first};
+      } else {
+        now.node = near ? first : second;
+      }
+      continue;
+    }
+    const std::span<const std::uint32_t> items = std::span(tree.items).subspan(node.first, node.count);
+    if (test_items<any>(items, soup, ray, mailbox, counters, best) && any) return best;
+    do {
+      if (top == 0) return best;
+      now = stack[--top];
+    } while (now.enter > static_cast<double>(best.t));
+  }
+}
+
+template <bool any>
+RayHit trace(const PlaneTree& tree, const TriangleSoup& soup, const Ray& ray, TraceCounters& counters) {
+  ++counters.rays;
+  TraceRay prepared;
+  if (tree.nodes.empty() || !prepare(ray, tree.space, prepared)) return {};
+  return finish(prepared, walk<any>(tree, soup, prepared, counters));
+}
+
+template <class Keep, class Take>
+std::vector<std::uint32_t> query(const PlaneTree& tree, const TriangleSoup& soup, Keep&& keep, Take&& take) {
+  std::vector<std::uint32_t> found, stack;
+  if (!tree.nodes.empty()) stack.push_back(0);
+  while (!stack.empty()) {
+    const PlaneNode& node = tree.nodes[stack.back()];
+    stack.pop_back();
+    if (!keep(node.bounds)) continue;
+    if (node.count == 0) {
+      stack.push_back(node.first);
+      stack.push_back(node.first + 1);
+    } else {
+      found.insert(found.end(), tree.items.begin() + node.first, tree.items.begin() + node.first + node.count);
+    }
+  }
+  return unique_places(std::move(found), soup, take);
+}
+
+}  // namespace
+
+PlaneTree build_plane_tree(const TriangleSoup& soup, const PlaneTreeConfig& config) {
+  return Builder(soup, config).build();
+}
+
+RayHit trace_nearest(const PlaneTree& tree, const TriangleSoup& soup, const Ray& ray, TraceCounters& counters) {
+  return trace<false>(tree, soup, ray, counters);
+}
+
+bool trace_any(const PlaneTree& tree, const TriangleSoup& soup, const Ray& ray, TraceCounters& counters) {
+  return trace<true>(tree, soup, ray, counters).found();
+}
+
+std::vector<std::uint32_t> box_query(const PlaneTree& tree, const TriangleSoup& soup, const Aabb& box) {
+  return query(
+      tree, soup, [&](const Aabb& b) { return b.overlaps(box); },
+      [&](const glm::vec3* corners) { return triangle_touches_box(corners, box); });
+}
+
+std::vector<std::uint32_t> frustum_query(const PlaneTree& tree, const TriangleSoup& soup, const Frustum& frustum) {
+  return query(
+      tree, soup, [&](const Aabb& b) { return classify(frustum, b) != Containment::outside; },
+      [&](const glm::vec3* corners) { return triangle_touches_frustum(corners, frustum); });
+}
+
+}  // namespace sightline
