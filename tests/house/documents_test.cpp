@@ -54,37 +54,6 @@ std::vector<Algorithm> all_rows() {
   return rows;
 }
 
-/// Whether a test file has this test, whichever macro defines it.
-bool is_a_test(const std::vector<SourceFile>& files, const std::string& suite, const std::string& name) {
-  for (const SourceFile& file : files)
-    for (std::size_t at = file.text.find("(" + suite + ","); at != std::string::npos;
-         at = file.text.find("(" + suite + ",", at + 1))
-      if (file.text.substr(at + suite.size() + 2).find_first_not_of(" \n") != std::string::npos &&
-          file.text.compare(file.text.find_first_not_of(" \n", at + suite.size() + 2), name.size(), name) == 0)
-        return true;
-  return false;
-}
-
-TEST(House, TheChecklistNamesTestsThatExist) {
-  const std::vector<SourceFile> files = cpp_files({"tests"});
-  const std::string text = read_text(root() / "docs/checklist.md");
-  std::size_t names = 0;
-  for (std::size_t at = text.find('`'); at != std::string::npos; at = text.find('`', at + 1)) {
-    const std::size_t end = text.find('`', at + 1);
-    ASSERT_NE(end, std::string::npos);
-    const std::string word = text.substr(at + 1, end - at - 1);
-    at = end;
-    const std::size_t dot = word.find('.');
-    // Suite.Name; other words in such quotes are programs, options and files.
-    if (dot == std::string::npos || dot + 1 == word.size() || std::isupper(static_cast<unsigned char>(word[0])) == 0 ||
-        std::isupper(static_cast<unsigned char>(word[dot + 1])) == 0)
-      continue;
-    ++names;
-    EXPECT_TRUE(is_a_test(files, word.substr(0, dot), word.substr(dot + 1))) << word;
-  }
-  EXPECT_GT(names, 40u);
-}
-
 TEST(House, EveryAlgorithmHasAPage) {
   ASSERT_FALSE(algorithms().empty());
   for (const Algorithm& row : all_rows()) {
@@ -102,7 +71,8 @@ TEST(House, EveryAlgorithmHasAPage) {
 
 TEST(House, EveryPageHasAnAlgorithm) {
   std::set<std::string> names;
-  for (const Algorithm& row : all_rows()) names.insert(std::string(row.name));
+  for (const Algorithm& row : all_rows())
+    EXPECT_TRUE(names.insert(std::string(row.name)).second) << row.name << " is in the registry twice";
   for (const auto& entry : std::filesystem::directory_iterator(root() / "docs/algorithms")) {
     if (entry.path().extension() != ".md") continue;
     EXPECT_EQ(names.count(entry.path().stem().string()), 1u) << entry.path() << " describes no row of the registry";
