@@ -1,9 +1,9 @@
 // bench_gl [--scene SCENE] [--frames N] [--size WxH] [--methods A,B] [--check N] [--check-only] [--path stress]:
 // culling through OpenGL. Processor time of the whole process per frame (on llvmpipe that is drawing and all), medians
-// over a walk, every method in turn on each view, and medians of the frames' ratios; of it the part that is not
-// drawing: what remains when the time to draw the same objects untold is taken away; queries, state changes, waits and
-// triangles beside it. Every method is checked first: a picture that differs from that of drawing everything ends the
-// program with 1.
+// over a walk, every method in turn on each view, their ratios ("by frame": the median of the frames' ratios); of it
+// the part that is not drawing: what remains when the time to draw the same objects untold is taken away; queries,
+// state changes, waits and triangles beside it. Every method is checked first: a picture that differs from that of
+// drawing everything ends the program with 1.
 #include <algorithm>
 #include <cstdio>
 #include <cstdlib>
@@ -136,6 +136,11 @@ const Row* find_row(const std::vector<Row>& rows, const char* name) {
   return nullptr;
 }
 
+/// Ratio of the medians; 0 without one of them.
+double ratio(const Row* a, const Row* b) {
+  return a == nullptr || b == nullptr ? 0.0 : median(a->milliseconds) / median(b->milliseconds);
+}
+
 /// Median over the frames of a / b, frame by frame: walks have cheap and expensive stretches, and the medians of two
 /// methods may lie in different ones. 0 without one of them.
 double median_ratio(const Row* a, const Row* b) {
@@ -147,12 +152,12 @@ double median_ratio(const Row* a, const Row* b) {
 
 void print(const std::vector<Row>& rows, std::size_t frames) {
   const Row *frustum = find_row(rows, "gl_frustum"), *optimal = find_row(rows, "gl_optimal");
-  std::printf("%-40s %9s %9s %9s %9s %8s %8s %8s %7s %7s %8s %10s\n", "method", "CPU ms", "deciding", "frustum/",
-              "/optimal", "queries", "multi", "boxes", "switch", "waits", "objects", "triangles");
+  std::printf("%-40s %9s %9s %9s %9s %9s %8s %8s %8s %7s %7s %8s %10s\n", "method", "CPU ms", "deciding", "frustum/",
+              "/optimal", "by frame", "queries", "multi", "boxes", "switch", "waits", "objects", "triangles");
   for (const Row& row : rows) {
     const auto per_frame = [&](std::uint64_t n) { return static_cast<double>(n) / static_cast<double>(frames); };
-    std::printf("%-40s %9.2f %9.2f %9.2f %9.2f %8.1f %8.1f %8.1f %7.1f %7.1f %8.1f %10.0f\n", row.name.c_str(),
-                median(row.milliseconds), median(row.deciding), median_ratio(frustum, &row),
+    std::printf("%-40s %9.2f %9.2f %9.2f %9.2f %9.2f %8.1f %8.1f %8.1f %7.1f %7.1f %8.1f %10.0f\n", row.name.c_str(),
+                median(row.milliseconds), median(row.deciding), ratio(frustum, &row), ratio(&row, optimal),
                 median_ratio(&row, optimal), per_frame(row.work.queries), per_frame(row.work.multiqueries),
                 per_frame(row.work.query_boxes), per_frame(row.work.state_changes), per_frame(row.work.blocking_waits),
                 per_frame(row.work.objects), per_frame(row.work.triangles));

@@ -22,8 +22,8 @@ std::string draw_bars(const std::vector<std::string>& names, const std::vector<B
 /// leaves, empty for a scene too full for that.
 std::string draw_cells(const TriangleSoup& soup, int generations, const std::string& letters);
 
-/// The octree figure (checklist 14.11): (a) the root cube, (b) its children, (c) theirs, seen from the side above; cells
-/// that hold triangles are filled, empty ones are not drawn.
+/// The octree figure (checklist 14.11): (a) the root cube, (b) its children, (c) theirs, seen from the side above;
+/// cells that hold triangles are filled, empty ones are not drawn.
 std::string draw_octree(const TriangleSoup& soup);
 
 /// The plane scene of the slides: a rod, a box and a circle (objects 0, 1, 2) in the square from 0 to 16.

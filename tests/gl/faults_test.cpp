@@ -78,13 +78,6 @@ TEST_F(Faults, NoMemoryForASceneOrAPictureIsNamed) {
   expect_line([&] { target.resize(64, 36); }, "64x36");
 }
 
-TEST_F(Faults, AMethodThatMissesAnExtensionSaysWhich) {
-  if (context()->has_extension("GL_ARB_indirect_parameters"))
-    GTEST_SKIP() << "it is there; the program's test hides it";
-  SceneDrawing drawing(*context(), scene_);
-  expect_line([&] { (void)make_method("gl_hzb", drawing); }, "GL_ARB_indirect_parameters");
-}
-
 // A fault of a driver: Mesa takes a count that is left bound for other indirect draws, which then draw nothing.
 TEST_F(Faults, BoxesAreDrawnAlthoughPhaseOneDrewNothing) {
   const Scene scene = generate_scene("city", {.objects = 300, .triangles = 0, .seed = 6});

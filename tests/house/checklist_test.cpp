@@ -11,7 +11,8 @@ namespace sightline::house {
 namespace {
 
 TEST(House, TheChecklistNamesTestsThatExist) {
-  const std::regex defined(R"(TEST(?:_F|_P)?\(\s*(\w+),\s*(\w+)\s*\))"), named(R"(`([A-Z]\w+\.[A-Z]\w+)`)");
+  const std::regex defined(R"((?:TEST(?:_F|_P)?|RC_GTEST_PROP)\(\s*(\w+),\s*(\w+)\s*[,)])"),
+      named(R"(`([A-Z]\w+\.[A-Z]\w+)`)");
   const std::sregex_iterator none;
   std::set<std::string> tests;
   for (const SourceFile& file : cpp_files({"tests"}))

@@ -20,8 +20,8 @@ typedef struct sightline_occlusion_view {
   double near_plane;                  /* distance, metres, > 0. What lies beyond the far plane is not asked about. */
   int view_width, view_height;        /* pixels of the image that will be rendered */
   int buffer_width, buffer_height;    /* pixels of the buffer; a quarter of the view's each way is a good start */
-  int centres;                        /* not 0: centres of the buffer's pixels alone count; its size is the view's or k times
-                                         that: k x k samples in each of the view's pixels */
+  int centres; /* not 0: centres of the buffer's pixels alone count; its size is the view's or k times
+                  that: k x k samples in each of the view's pixels */
 } sightline_occlusion_view;
 
 enum { SIGHTLINE_OK = 0, SIGHTLINE_BAD_INPUT = 1, SIGHTLINE_NO_MEMORY = 2 };
