@@ -310,7 +310,7 @@ void boxes_in_clip_space_against_planes() {
   view.far = 2000;
   const Frustum frustum = view_frustum(view, 1001);
   const ClipRows rows = clip_rows(view_projection(view), 1001);
-  std::vector<std::uint32_t> planes(list.size() + 64), clip(list.size() + 32);
+  std::vector<std::uint32_t> planes(list.size() + 64), clip(list.size() + 64);
   std::vector<Contender> contenders{
       {"planes, one by one", [&](std::size_t) { boxes_in_frustum_scalar(boxes, frustum, planes.data()); }},
       {"planes, SIMD (frustum_linear)", [&](std::size_t) { boxes_in_frustum(boxes, frustum, planes.data()); }},

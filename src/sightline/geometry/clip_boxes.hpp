@@ -22,7 +22,7 @@ struct ClipRows {
 };
 ClipRows clip_rows(const glm::dmat4& view_projection, double reach);
 
-/// As boxes_in_frustum: indices of the boxes that may touch the unit cube, ascending; `ids` must hold count + 16.
+/// As boxes_in_frustum: indices of the boxes that may touch the unit cube, ascending; `ids` must hold count + 64.
 std::size_t boxes_in_clip_space(const BoxArrays& boxes, const ClipRows& rows, std::uint32_t* ids);
 std::size_t boxes_in_clip_space_scalar(const BoxArrays& boxes, const ClipRows& rows, std::uint32_t* ids);
 
