@@ -75,7 +75,8 @@ layout(location = 1) out uint object;
 void main() {
 #ifdef LOOSE_DEPTH
   // The pixel is covered by corners on a grid of 1/256 pixel, its depth follows from corners off the grid.
-  if (fwidth(gl_FragCoord.z) > 500.0 * frame.depth.x * (frame.size.w == 1 ? gl_FragCoord.z : 1.0)) discard;
+  // Of a triangle without area it may be no number, so this is not the opposite comparison.
+  if (!(fwidth(gl_FragCoord.z) <= 500.0 * frame.depth.x * (frame.size.w == 1 ? gl_FragCoord.z : 1.0))) discard;
 #endif
   shaded = vec4(colour, 1.0);
 #ifdef LIT
