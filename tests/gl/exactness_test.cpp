@@ -76,6 +76,33 @@ TEST_F(Exactness, AfterTeleportsAndAtSurfaces) {
     contest.frame("city under stress", view);
 }
 
+// Corners on a line, as T-junctions are closed: once they are snapped to a grid they cover pixels, with any depth.
+TEST_F(Exactness, TrianglesWithoutAreaBehindAWall) {
+  SceneBuilder builder;
+  const MeshId wall = builder.add_mesh(cases::quad({-60, -40, 0}, {120, 0, 0}, {0, 80, 0}));
+  builder.add_object(wall, cases::at({0, 0, -20}));
+  Random random(5);
+  const auto place = [&](float depth) { return glm::vec3(random.range(-30, 30), random.range(-20, 20), depth); };
+  for (int i = 0; i < 60; ++i) {
+    Mesh mesh;
+    for (int t = 0; t < 40; ++t) {
+      const glm::vec3 a = place(random.range(-45, -25)), b = place(random.range(-45, -25));
+      const auto first = static_cast<std::uint32_t>(mesh.positions.size());
+      mesh.positions.insert(mesh.positions.end(), {a, b, glm::mix(a, b, random.range(0.1, 0.9))});
+      mesh.triangles.emplace_back(first, first + 1, first + 2);
+    }
+    builder.add_object(builder.add_mesh(mesh), identity_affine());
+  }
+  const Scene scene = builder.build();
+  Contest contest(*context(), scene);
+  for (int i = 0; i < 6; ++i) {
+    View view = look_along({random.range(-1, 1), random.range(-1, 1), 0}, {random.range(-0.1, 0.1), 0, -1});
+    view.width = 320;
+    view.height = 180;
+    contest.frame("triangles without area", view);
+  }
+}
+
 TEST_F(Exactness, WhileThePictureChangesItsSize) {
   const Scene scene = generate_scene("building", {.objects = 300, .triangles = 0, .seed = 1});
   Contest contest(*context(), scene);
