@@ -121,6 +121,16 @@ CameraPath open_path(const PathOptions& path, const CameraOptions& options, cons
   return camera_path(loaded, *camera, path.frames, prototype_view(options, loaded.scene));
 }
 
+View placed_view(const glm::dvec3& eye, const glm::dvec3& look, const CameraOptions& options, const Scene& scene) {
+  const View oriented = look_along(eye, look);
+  View view = prototype_view(options, scene);
+  view.eye = oriented.eye;
+  view.orientation = oriented.orientation;
+  contain_scene(view, options, scene);
+  as_usage([&] { check_view(view); });
+  return view;
+}
+
 View single_view(const ViewOptions& options, const LoadedScene& loaded, std::uint64_t seed) {
   const Scene& scene = loaded.scene;
   if (!options.eye) {
@@ -129,13 +139,7 @@ View single_view(const ViewOptions& options, const LoadedScene& loaded, std::uin
       throw UsageError(fmt::format("--frame: {} is beyond the last frame, {}", options.frame, path.views.size() - 1));
     return path.views[static_cast<std::size_t>(options.frame)];
   }
-  const View oriented = look_along(*options.eye, options.look);
-  View view = prototype_view(options.camera, scene);
-  view.eye = oriented.eye;
-  view.orientation = oriented.orientation;
-  contain_scene(view, options.camera, scene);
-  as_usage([&] { check_view(view); });
-  return view;
+  return placed_view(*options.eye, options.look, options.camera, scene);
 }
 
 }  // namespace sightline::cli

@@ -25,6 +25,9 @@ CameraPath open_path(const PathOptions& path, const CameraOptions& options, cons
 CameraPath open_path(const PathOptions& path, const CameraOptions& options, const LoadedScene& loaded,
                      std::uint64_t seed);
 
+/// The view from `eye` along `look` that holds the scene between its planes. Throws UsageError.
+View placed_view(const glm::dvec3& eye, const glm::dvec3& look, const CameraOptions& options, const Scene& scene);
+
 /// The one view of a verb that takes --eye and --look, or --frame of --path. Throws UsageError or InputError.
 View single_view(const ViewOptions& options, const LoadedScene& loaded, std::uint64_t seed);
 

@@ -147,13 +147,7 @@ Json report_json(const Report& report) {
 /// The view of --eye, or the first of the path.
 View picture_view(const OccludersOptions& options, const Scene& scene) {
   if (!options.eye) return open_path(options.path, options.camera, scene, options.common.seed).views.front();
-  const View oriented = look_along(*options.eye, options.look);
-  View view = prototype_view(options.camera, scene);
-  view.eye = oriented.eye;
-  view.orientation = oriented.orientation;
-  contain_scene(view, options.camera, scene);
-  as_usage([&] { check_view(view); });
-  return view;
+  return placed_view(*options.eye, options.look, options.camera, scene);
 }
 
 }  // namespace

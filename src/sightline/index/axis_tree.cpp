@@ -234,29 +234,15 @@ class Splitter {
 
 template <bool any>
 RayHit walk(const AxisTree& tree, const TriangleSoup& soup, const TraceRay& ray, TraceCounters& counters) {
-  RayHit best{ray.t_far, no_triangle};
-  Step now{tree.bounds.lo, tree.bounds.hi, 0.0f, 0.0f, 0};
-  pass_box(ray, tree.bounds.lo, tree.bounds.hi, now.enter, now.leave);
-  if (!(now.enter <= now.leave)) return best;
-  Mailbox mailbox;
+  Step first{tree.bounds.lo, tree.bounds.hi, 0.0f, 0.0f, 0};
+  pass_box(ray, tree.bounds.lo, tree.bounds.hi, first.enter, first.leave);
   const Splitter splitter(ray);
-  constexpr std::size_t room = 7 * most_depth;
-  Step stack[room];
-  std::size_t top = 0;
-  for (;;) {
-    const AxisNode& node = tree.nodes[now.node];
-    ++counters.nodes;
-    if (node.axes != 0) {
-      splitter.split(node, now, stack, top);
-      continue;
-    }
-    if (test_items<any>(tree.items_of(now.node), soup, ray, mailbox, counters, best) && any) return best;
-    // Later cells may still hold a nearer hit than one found beyond its cell: the in-cell rule of E24.
-    do {
-      if (top == 0) return best;
-      now = stack[--top];
-    } while (now.enter > best.t);
-  }
+  const auto split = [&splitter](const AxisNode& node, Step& now, Step* stack, std::size_t& top) {
+    if (node.axes == 0) return false;
+    splitter.split(node, now, stack, top);
+    return true;
+  };
+  return walk_cells<any, 7 * most_depth>(tree, soup, ray, first, counters, split);
 }
 
 template <bool any>

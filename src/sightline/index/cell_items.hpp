@@ -42,6 +42,29 @@ bool test_items(std::span<const std::uint32_t> items, const TriangleSoup& soup, 
   return found;
 }
 
+/// Down a tree of cells from the step `now` on: the best hit. split(node, now, stack, top) leads into the first child
+/// of an inner node and puts what comes later onto the stack; false at a leaf. A step knows its node and where the ray
+/// enters.
+template <bool any, std::size_t room, class Tree, class Step, class Split>
+RayHit walk_cells(const Tree& tree, const TriangleSoup& soup, const TraceRay& ray, Step now, TraceCounters& counters,
+                  Split&& split) {
+  RayHit best{ray.t_far, no_triangle};
+  if (!(now.enter <= now.leave)) return best;
+  Mailbox mailbox;
+  Step stack[room];
+  std::size_t top = 0;
+  for (;;) {
+    ++counters.nodes;
+    if (split(tree.nodes[now.node], now, stack, top)) continue;
+    if (test_items<any>(tree.items_of(now.node), soup, ray, mailbox, counters, best) && any) return best;
+    // Later cells may still hold a nearer hit than one found beyond its cell: the in-cell rule of E24.
+    do {
+      if (top == 0) return best;
+      now = stack[--top];
+    } while (now.enter > best.t);
+  }
+}
+
 /// Each place once, ascending, if take(its corners).
 template <class Take>
 std::vector<std::uint32_t> unique_places(std::vector<std::uint32_t> found, const TriangleSoup& soup, Take&& take) {

@@ -185,38 +185,25 @@ struct Step {
 
 template <bool any>
 RayHit walk(const KdTree& tree, const TriangleSoup& soup, const TraceRay& ray, TraceCounters& counters) {
-  RayHit best{ray.t_far, no_triangle};
-  Step now{0.0f, 0.0f, 0};
-  pass_box(ray, tree.bounds.lo, tree.bounds.hi, now.enter, now.leave);
-  if (!(now.enter <= now.leave)) return best;
-  Mailbox mailbox;
-  constexpr std::size_t room = 128;  // the depth limit lies below
-  Step stack[room];
-  std::size_t top = 0;
-  for (;;) {
-    const KdNode& node = tree.nodes[now.node];
-    ++counters.nodes;
-    if (node.axis < 3) {
-      const int axis = static_cast<int>(node.axis);
-      const float t = (std::bit_cast<float>(node.split_bits) - ray.origin[axis]) * ray.inverse[axis];
-      const float slack = 2.0f * ray.slack[axis];
-      const bool forward = ray.inverse[axis] >= 0.0f;
-      const std::uint32_t first = node.first + (forward ? 0u : 1u), second = node.first + (forward ? 1u : 0u);
-      const bool near = now.enter <= t + slack, far = now.leave >= t - slack;
-      if (near && far) {
-        stack[top++] = {std::max(now.enter, t - slack), now.leave, second};
-        now = {now.enter, std::min(now.leave, t + slack), first};
-      } else {
-        now.node = near ? first : second;
-      }
-      continue;
+  Step first_step{0.0f, 0.0f, 0};
+  pass_box(ray, tree.bounds.lo, tree.bounds.hi, first_step.enter, first_step.leave);
+  const auto split = [&ray](const KdNode& node, Step& now, Step* stack, std::size_t& top) {
+    if (node.axis >= 3) return false;
+    const int axis = static_cast<int>(node.axis);
+    const float t = (std::bit_cast<float>(node.split_bits) - ray.origin[axis]) * ray.inverse[axis];
+    const float slack = 2.0f * ray.slack[axis];
+    const bool forward = ray.inverse[axis] >= 0.0f;
+    const std::uint32_t first = node.first + (forward ? 0u : 1u), second = node.first + (forward ? 1u : 0u);
+    const bool near = now.enter <= t + slack, far = now.leave >= t - slack;
+    if (near && far) {
+      stack[top++] = {std::max(now.enter, t - slack), now.leave, second};
+      now = {now.enter, std::min(now.leave, t + slack), first};
+    } else {
+      now.node = near ? first : second;
     }
-    if (test_items<any>(tree.items_of(now.node), soup, ray, mailbox, counters, best) && any) return best;
-    do {
-      if (top == 0) return best;
-      now = stack[--top];
-    } while (now.enter > best.t);
-  }
+    return true;
+  };
+  return walk_cells<any, 128>(tree, soup, ray, first_step, counters, split);  // the depth limit lies below 128
 }
 
 template <bool any>
