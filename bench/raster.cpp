@@ -1,6 +1,6 @@
 // bench_raster: the exact rasterisers beside OpenGL on llvmpipe (skipped loudly where there is no EGL), one core, then
 // two; more than 400 lines because the four tasks share their contenders. Every picture is compared with its reference
-// before anything is timed; exits 1 if one is wrong. Tasks: a million small triangles, layers that fill the image, 555
+// before anything is timed; exits 1 if one is wrong. Tasks: a million small triangles, layers that fill the image, 553
 // million instanced triangles, decoding of compressed depth tiles. Contenders are interleaved; figures are medians.
 // bench_raster triangles|layers|compression|instances runs one task.
 #include <algorithm>
