@@ -10,8 +10,6 @@
 namespace sightline::cli {
 namespace {
 
-using Json = nlohmann::ordered_json;
-
 /// Counts the depth tests of frames: the answers of evenly spread ones are drawn at a quarter of the size.
 class PixelCounter {
  public:

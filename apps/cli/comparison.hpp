@@ -2,11 +2,11 @@
 #pragma once
 
 #include <map>
-#include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 
 #include "cost_model.hpp"
+#include "json.hpp"
 #include "walk_report.hpp"
 
 namespace sightline::cli {
@@ -36,6 +36,6 @@ struct Comparison {
 Comparison compare_walk(const WalkReport& report);
 
 std::string comparison_table(const Comparison& comparison);
-nlohmann::ordered_json comparison_json(const Comparison& comparison);
+Json comparison_json(const Comparison& comparison);
 
 }  // namespace sightline::cli

@@ -93,8 +93,6 @@ void add_reason(std::string& text, const Explanation& why) {
   }
 }
 
-Json vector_json(const glm::dvec3& v) { return {v.x, v.y, v.z}; }
-
 Json witness_json(const Witness& w) {
   return {{"pixel", {w.x, w.y}},  {"origin", vector_json(w.ray.origin)}, {"direction", vector_json(w.ray.direction)},
           {"depth", w.hit.depth}, {"triangle", w.hit.triangle},          {"point", vector_json(w.point)}};

@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <chrono>
-#include <nlohmann/json.hpp>
 
 #include "json_output.hpp"
 #include "output.hpp"
@@ -12,8 +11,6 @@
 
 namespace sightline::cli {
 namespace {
-
-Json vector_json(const glm::vec3& v) { return {v.x, v.y, v.z}; }
 
 Json camera_json(const LoadedScene::NamedView& camera) {
   const View& view = camera.view;

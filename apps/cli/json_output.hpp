@@ -1,15 +1,13 @@
 // The --json option of verbs whose answer is one small document.
 #pragma once
 
-#include <nlohmann/json.hpp>
 #include <optional>
 
+#include "json.hpp"
 #include "options.hpp"
 #include "output.hpp"
 
 namespace sightline::cli {
-
-using Json = nlohmann::ordered_json;
 
 /// Opens the file of --json at once, so that a bad place is told before the work; does nothing without --json.
 class JsonOutput {

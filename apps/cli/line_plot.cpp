@@ -10,7 +10,10 @@
 namespace sightline::cli {
 namespace {
 
-constexpr double width = 720, height = 440, left = 70, right = 20, top = 40, bottom = 50;
+/// The picture and its margins in pixels.
+constexpr struct {
+  double width = 720, height = 440, left = 70, right = 20, top = 40, bottom = 50;
+} sheet;
 constexpr std::array colours{"#1f6fb4", "#d1495b", "#2e933c", "#8d6a9f", "#e58c2f", "#444444"};
 
 struct Scale {
@@ -18,10 +21,11 @@ struct Scale {
   bool log_x;
   [[nodiscard]] double x(double v) const {
     const double a = log_x ? std::log2(x0) : x0, b = log_x ? std::log2(x1) : x1, w = log_x ? std::log2(v) : v;
-    return left + (width - left - right) * (w - a) / std::max(b - a, 1e-30);
+    return sheet.left + (sheet.width - sheet.left - sheet.right) * (w - a) / std::max(b - a, 1e-30);
   }
   [[nodiscard]] double y(double v) const {
-    return height - bottom - (height - top - bottom) * (v - y0) / std::max(y1 - y0, 1e-30);
+    return sheet.height - sheet.bottom -
+           (sheet.height - sheet.top - sheet.bottom) * (v - y0) / std::max(y1 - y0, 1e-30);
   }
 };
 
@@ -64,25 +68,26 @@ std::string axes(const LinePlot& plot, const Scale& scale) {
   };
   const double y_step = step_of(scale.y1 - scale.y0);
   for (double v = std::ceil(scale.y0 / y_step - 1e-9) * y_step; v <= scale.y1 + 1e-9 * y_step; v += y_step) {
-    grid(left, scale.y(v), width - right, scale.y(v));
-    label(left - 6, scale.y(v) + 4, "end", fmt::format("{:.6g}", std::abs(v) < 1e-12 ? 0.0 : v));
+    grid(sheet.left, scale.y(v), sheet.width - sheet.right, scale.y(v));
+    label(sheet.left - 6, scale.y(v) + 4, "end", fmt::format("{:.6g}", std::abs(v) < 1e-12 ? 0.0 : v));
   }
   if (plot.log_x) {
     for (double v = std::exp2(std::ceil(std::log2(scale.x0))); v <= scale.x1 * 1.001; v *= 2) {
-      grid(scale.x(v), top, scale.x(v), height - bottom);
-      label(scale.x(v), height - bottom + 18, "middle", fmt::format("{:.6g}", v));
+      grid(scale.x(v), sheet.top, scale.x(v), sheet.height - sheet.bottom);
+      label(scale.x(v), sheet.height - sheet.bottom + 18, "middle", fmt::format("{:.6g}", v));
     }
   } else {
     const double x_step = step_of(scale.x1 - scale.x0);
     for (double v = std::ceil(scale.x0 / x_step - 1e-9) * x_step; v <= scale.x1 + 1e-9 * x_step; v += x_step) {
-      grid(scale.x(v), top, scale.x(v), height - bottom);
-      label(scale.x(v), height - bottom + 18, "middle", fmt::format("{:.6g}", std::abs(v) < 1e-12 ? 0.0 : v));
+      grid(scale.x(v), sheet.top, scale.x(v), sheet.height - sheet.bottom);
+      label(scale.x(v), sheet.height - sheet.bottom + 18, "middle",
+            fmt::format("{:.6g}", std::abs(v) < 1e-12 ? 0.0 : v));
     }
   }
-  label(width / 2, height - 10, "middle", plot.x);
-  label(width / 2, 22, "middle", plot.title);
+  label(sheet.width / 2, sheet.height - 10, "middle", plot.x);
+  label(sheet.width / 2, 22, "middle", plot.title);
   svg += fmt::format("<text transform=\"translate(18 {:.0f}) rotate(-90)\" text-anchor=\"middle\">{}</text>\n",
-                     height / 2, escaped(plot.y));
+                     sheet.height / 2, escaped(plot.y));
   return svg;
 }
 
@@ -95,22 +100,23 @@ std::string svg_of(const LinePlot& plot) {
   std::string svg = fmt::format(
       "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{0}\" height=\"{1}\" viewBox=\"0 0 {0} {1}\" "
       "font-family=\"sans-serif\" font-size=\"13\">\n<rect width=\"100%\" height=\"100%\" fill=\"white\"/>\n",
-      width, height);
+      sheet.width, sheet.height);
   svg += axes(plot, scale);
   for (std::size_t c = 0; c < plot.curves.size(); ++c) {
     const PlotCurve& curve = plot.curves[c];
     const char* colour = colours[c % colours.size()];
     std::string path;
     for (const auto& [x, y] : curve.points) {
-      const double at = std::clamp(scale.y(y), top, height - bottom);
+      const double at = std::clamp(scale.y(y), sheet.top, sheet.height - sheet.bottom);
       if (curve.dots)
         svg += fmt::format("<circle cx=\"{:.1f}\" cy=\"{:.1f}\" r=\"3\" fill=\"{}\"/>\n", scale.x(x), at, colour);
       path += fmt::format("{}{:.1f} {:.1f}", path.empty() ? 'M' : 'L', scale.x(x), at);
     }
     if (!curve.dots && !path.empty())
       svg += fmt::format("<path d=\"{}\" fill=\"none\" stroke=\"{}\" stroke-width=\"2\"/>\n", path, colour);
-    svg += fmt::format("<text x=\"{:.0f}\" y=\"{:.0f}\" text-anchor=\"end\" fill=\"{}\">{}</text>\n", width - right - 8,
-                       height - bottom - 14.0 - 18.0 * static_cast<double>(c), colour, escaped(curve.name));
+    svg += fmt::format("<text x=\"{:.0f}\" y=\"{:.0f}\" text-anchor=\"end\" fill=\"{}\">{}</text>\n",
+                       sheet.width - sheet.right - 8,
+                       sheet.height - sheet.bottom - 14.0 - 18.0 * static_cast<double>(c), colour, escaped(curve.name));
   }
   return svg + "</svg>\n";
 }

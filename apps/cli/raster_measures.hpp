@@ -1,14 +1,13 @@
 // The measurements behind `sightline raster-report`, each as one JSON object (checklist 4, 5, 6, 27.06-27.08, 27.10).
 #pragma once
 
-#include <nlohmann/json.hpp>
 
+#include "json.hpp"
 #include "sightline/core/frame.hpp"
 #include "sightline/scene/view.hpp"
 
 namespace sightline::cli {
 
-using Json = nlohmann::ordered_json;
 
 /// Depth writes per covered pixel of the plain and of the hierarchical z-buffer, and how long each took (5.05). The
 /// frames keep their write counts.

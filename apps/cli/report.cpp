@@ -6,9 +6,9 @@
 #include <bit>
 #include <cstring>
 #include <ctime>
-#include <nlohmann/json.hpp>
 
 #include "base64.hpp"
+#include "json.hpp"
 #include "output.hpp"
 #include "page_template.hpp"
 #include "sightline/scene/input_error.hpp"
@@ -17,11 +17,7 @@
 namespace sightline::cli {
 namespace {
 
-using Json = nlohmann::ordered_json;
-
 constexpr std::string_view marker = "/*SIGHTLINE_DATA*/null";
-
-Json vector_json(const glm::dvec3& v) { return {v.x, v.y, v.z}; }
 
 /// Bounds of all objects as little-endian floats, lo and hi for each. Empty above a million objects: the page could not
 /// draw them.

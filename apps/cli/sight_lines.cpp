@@ -64,8 +64,6 @@ struct Line {
   glm::dvec3 where{0.0};
 };
 
-Json vector_json(const glm::dvec3& v) { return {v.x, v.y, v.z}; }
-
 std::vector<Line> lines_between(const SightLinesOptions& options) {
   const std::vector<glm::dvec3> from = points_of("--from", options.from), to = points_of("--to", options.to);
   std::vector<Line> lines;

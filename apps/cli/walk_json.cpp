@@ -1,12 +1,11 @@
 #include "walk_json.hpp"
 
 #include <glm/gtc/type_ptr.hpp>
-#include <nlohmann/json.hpp>
+
+#include "json.hpp"
 
 namespace sightline::cli {
 namespace {
-
-using Json = nlohmann::ordered_json;
 
 /// Names from files may hold any bytes; what is no UTF-8 is replaced rather than refused.
 std::string text_of(const Json& json) { return json.dump(-1, ' ', false, Json::error_handler_t::replace); }
