@@ -8,6 +8,7 @@
 #include "sightline/scene/input_error.hpp"
 #include "sightline/scene/load/file_bytes.hpp"
 #include "sightline/scene/load/json_object.hpp"
+#include "sightline/scene/load/readers.hpp"
 
 namespace sightline {
 namespace {
@@ -110,8 +111,11 @@ void read_intrinsics(const JsonObject& object, CalibratedCamera& camera) {
 }  // namespace
 
 std::vector<CalibratedCamera> read_cameras(const std::filesystem::path& file) {
+  return parse_cameras(file, read_file(file));
+}
+
+std::vector<CalibratedCamera> parse_cameras(const std::filesystem::path& file, const Bytes& bytes) {
   const std::string name = file.string();
-  const std::vector<std::byte> bytes = read_file(file);
   const nlohmann::json json = parse_json(name, bytes);
   const JsonObject root(json, name, "");
   std::vector<CalibratedCamera> cameras;

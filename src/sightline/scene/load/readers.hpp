@@ -1,8 +1,9 @@
-// The readers behind load_scene and read_path, one per family of formats, for bytes that are in memory already.
+// The readers behind load_scene, read_path and read_cameras, one per family of formats, for bytes that are in memory already.
 #pragma once
 
 #include <filesystem>
 
+#include "sightline/scene/calibrated_camera.hpp"
 #include "sightline/scene/camera_path.hpp"
 #include "sightline/scene/load/file_bytes.hpp"
 #include "sightline/scene/load/load.hpp"
@@ -21,5 +22,8 @@ LoadedScene read_with_assimp(const std::filesystem::path& file);
 
 /// What read_path does, for the content of `file`. Throws InputError.
 CameraPath parse_path(const std::filesystem::path& file, const Bytes& bytes, const PathConfig& config);
+
+/// What read_cameras does, for the content of `file`. Throws InputError.
+std::vector<CalibratedCamera> parse_cameras(const std::filesystem::path& file, const Bytes& bytes);
 
 }  // namespace sightline
