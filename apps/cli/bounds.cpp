@@ -202,7 +202,7 @@ int run_bounds(const BoundsOptions& options) {
   Json json{{"schema", "sightline.bounds/1"}, {"scene", options.scene},
             {"frames", path.views.size()},    {"tests", objects},
             {"in_frustum", inside},           {"rows", Json::array()}};
-  const bool text = !options.common.json_to_stdout() && !options.common.quiet;
+  const bool text = options.common.prints();
   if (text) {
     fmt::print("{} frustum tests of each kind; a triangle of the object lay in the frustum in {}\n", objects, inside);
     fmt::print("{:<24} {:>10} {:>10} {:>10} {:>8} {:>9} {:>16} {:>7}\n", "bound", "volume", "surface", "area", "bytes",

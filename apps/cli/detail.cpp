@@ -93,7 +93,7 @@ int run_detail(const DetailOptions& options) {
                   {"covered_pixels", mean(covered)},
                   {"worst_frame", worst.frame},
                   {"worst_lost_pixels", worst.lost}};
-  if (!options.common.json_to_stdout() && !options.common.quiet)
+  if (options.common.prints())
     fmt::print(
         "{}: of {:.1f} objects in the frustum a frame {:.1f} are drawn; {:.1f} of {:.1f} seen are lost, with {:.1f} of "
         "{:.0f} pixels; worst "

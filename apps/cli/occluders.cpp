@@ -153,8 +153,6 @@ View picture_view(const OccludersOptions& options, const Scene& scene) {
 }  // namespace
 
 int run_occluders(const OccludersOptions& options) {
-  if (!options.output.empty() && !options.output.ends_with(".glb"))
-    throw UsageError(options.output + ": scenes are written as .glb files");
   if (options.output.empty() && !options.report && options.picture.empty())
     throw UsageError("--output or --report or --picture is needed");
   if (options.whole && options.report) throw UsageError("--report measures occluders by object, not --whole");
@@ -190,7 +188,7 @@ int run_occluders(const OccludersOptions& options) {
     picture->write(encode_png(picture_occlusion(scene, made, view, options.show)));
     picture->commit();
   }
-  const bool talk = !options.common.json_to_stdout() && !options.common.quiet;
+  const bool talk = options.common.prints();
   if (talk)
     fmt::print("{}: {} occluder triangles of {} ({:.2f} %), made in {:.2f} s\n",
                options.output.empty() ? options.scene : options.output, made.triangle_count(), scene.triangle_count(),

@@ -76,7 +76,7 @@ int run_persistence(const PersistenceOptions& options) {
       json["I_ratio"].push_back(static_cast<double>(hidden[i + 1]) / static_cast<double>(hidden[i]));
   }
   json["fit"] = fit.valid ? Json{{"a", fit.a}, {"b", fit.b}, {"c", fit.c}, {"error", fit.error}} : Json(nullptr);
-  if (!options.common.quiet && !options.common.json_to_stdout()) {
+  if (options.common.prints()) {
     fmt::print("{:>4} {:>12} {:>10} {:>8} {:>8}\n", "t", "I(t)", "observed", "p(t)", "fit");
     for (std::size_t i = 0; i < keep.size(); ++i)
       if (keep[i] >= 0.0)

@@ -145,7 +145,7 @@ int run_sigma(const SigmaOptions& options) {
             {"frames", path.views.size()},
             {"rows", Json::array()}};
   std::size_t missed = 0;
-  const bool text = !options.common.json_to_stdout() && !options.common.quiet;
+  const bool text = options.common.prints();
   if (text)
     fmt::print("{:>6} {:>12} {:>9} {:>8} {:>10} {:>10} {:>14} {:>7} {:>10} {:>9}\n", "sigma", "boxes/object", "surface",
                "volume", "reported", "seen", "false-visible", "missed", "queries", "ms");
