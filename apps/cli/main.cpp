@@ -56,7 +56,8 @@ constexpr Verb (*commands[])(CLI::App&) = {
 
 /// CLI11 names neither a verb that it does not know nor those that there are.
 void check_verb(int argc, char** argv, const std::vector<Verb>& verbs) {
-  if (argc >= 2 && argv[1][0] == '-') return;
+  for (const std::string_view known : {"-h", "--help", "--version"})
+    if (argc >= 2 && argv[1] == known) return;
   std::string names;
   for (const Verb& verb : verbs) {
     if (argc >= 2 && verb.app->get_name() == argv[1]) return;

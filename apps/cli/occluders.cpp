@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "camera.hpp"
+#include "interrupt.hpp"
 #include "json_output.hpp"
 #include "scene_argument.hpp"
 #include "sightline/oracle/oracle.hpp"
@@ -112,6 +113,7 @@ Report measure(const OccludersOptions& options, const Scene& scene) {
       report.ways[i].missed += judge(truth, visible).missed.size();
     }
     progress.show(++report.frames);
+    if (interrupted()) break;
   }
   return report;
 }
@@ -196,11 +198,13 @@ int run_occluders(const OccludersOptions& options) {
                seconds);
   int code = exit_ok;
   if (options.report) {
+    catch_interrupts();
     const Report report = measure(options, scene);
     if (talk) print_report(report);
     json["report"] = report_json(report);
     for (const Measured& way : report.ways)
       if (way.missed > 0) code = exit_missed;
+    if (code == exit_ok && interrupted()) code = exit_interrupted;
   }
   output.write(json);
   return code;

@@ -11,6 +11,7 @@ constexpr const char* scene = "generate:city:objects=50";
 TEST_F(Errors, UsageOfVerbsAndMethods) {
   expect_complaint({}, 2, "info");
   expect_complaint({"fly"}, 2, "'fly'");
+  expect_complaint({"--fly"}, 2, "'--fly'");
   expect_complaint({"walk"}, 2, "SCENE");
   expect_complaint({"walk", scene, "--bogus"}, 2, "--bogus");
   expect_complaint({"walk", scene, "--method", "clairvoyance"}, 2, "clairvoyance");
