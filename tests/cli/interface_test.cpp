@@ -43,6 +43,9 @@ TEST_F(Interface, BashCompletes) {
   EXPECT_EQ(bash_offers({"sightline", "walk", "--meth"}), "--method ");
   EXPECT_EQ(bash_offers({"sightline", "walk", "--method", "frustum_l"}), "frustum_linear ");
   EXPECT_EQ(bash_offers({"sightline", "render", "--method", "zbuffer_"}), "zbuffer_tiled ");
+  EXPECT_EQ(bash_offers({"sightline", "walk", "--method", "backf"}), " ");
+  EXPECT_EQ(bash_offers({"sightline", "faces", "--method", "backf"}), "backface ");
+  EXPECT_EQ(bash_offers({"sightline", "explain", "--method", "gl_"}), " ");
   EXPECT_EQ(bash_offers({"sightline", "render", "--show", "d"}), "depth ");
   EXPECT_EQ(bash_offers({"sightline", "generate", "fo"}), "forest ");
   EXPECT_EQ(bash_offers({"sightline", "walk", "--seed", "1"}), " ");
