@@ -51,11 +51,12 @@ bool check_outputs(const CLI::App& verb) {
   };
   const auto given = verb.get_options([](const CLI::Option* option) { return option->count() > 0; });
   for (const CLI::Option* output : given) {
-    if (!is_file(output)) continue;
-    const bool there = fs::is_regular_file(place(output), ignored);
-    if (!there && fs::exists(place(output), ignored)) continue;  // devices and pipes take any number of writers
+    const fs::path file = place(output);
+    if (!is_file(output) || file.empty()) continue;
+    const bool there = fs::is_regular_file(file, ignored);
+    if (!there && fs::exists(file, ignored)) continue;  // devices and pipes take any number of writers
     for (const CLI::Option* other : given)
-      if (output != other && (there || is_file(other)) && place(output) == place(other))
+      if (output != other && (there || is_file(other)) && file == place(other))
         throw UsageError(fmt::format("{} and {} are the same file, '{}'", output->get_name(), other->get_name(),
                                      output->results().front()));
   }

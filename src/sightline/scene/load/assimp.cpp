@@ -281,15 +281,14 @@ void check_ply(const std::filesystem::path& file) {
   const std::size_t length = header.find(end);
   if (length == std::string_view::npos) throw InputError(file.string(), "", "the header of the PLY has no end");
   header = header.substr(0, length);
+  if (header.find("\nformat ascii") == std::string_view::npos) return;
   const Bytes whole = read_file(file);
   std::string_view body = text_of(whole).substr(length + end.size());
   while (!header.empty()) {
     std::istringstream words{std::string(next_line(header))};
     std::string keyword, name;
     std::uint64_t count = 0;
-    words >> keyword >> name >> count;
-    if (keyword == "format" && name != "ascii") return;
-    if (keyword != "element" || !words) continue;
+    if (!(words >> keyword >> name >> count) || keyword != "element") continue;
     for (std::uint64_t i = 0; i < count; ++i)
       if (next_line(body).empty())
         throw InputError(file.string(), "",
