@@ -88,11 +88,9 @@ TEST(Navigation, EveryCameraIsAValidView) {
     EXPECT_NO_THROW(check_view(navigation.view(10, 10)));
     View flat = start();
     flat.projection = Projection::orthographic;
-    for (const double notches : {3.0, -3.0}) {
-      Navigation zoom(flat, scene);
-      for (int i = 0; i < 500; ++i) zoom.dolly(notches);
-      EXPECT_NO_THROW(check_view(zoom.view(10, 10)));
-    }
+    Navigation zoom(flat, scene);
+    for (int i = 0; i < 500; ++i) zoom.dolly(3);
+    EXPECT_NO_THROW(check_view(zoom.view(10, 10)));
   }
 }
 
