@@ -38,6 +38,12 @@ std::uint64_t parse_whole(std::string_view option, std::string_view text, std::u
   return value;
 }
 
+double parse_finite(std::string_view option, std::string_view text) {
+  double value = 0.0;
+  if (!read_all(text, value) || !std::isfinite(value)) refuse(option, text, "a finite number");
+  return value;
+}
+
 double parse_positive(std::string_view option, std::string_view text, bool may_be_infinite) {
   double value = 0.0;
   const bool good = read_all(text, value) && value > 0.0 && (may_be_infinite || std::isfinite(value));
@@ -61,7 +67,7 @@ std::pair<int, int> parse_size(std::string_view option, std::string_view text) {
   const auto in_range = [](int pixels) { return pixels >= 1 && pixels <= 16384; };
   if (parts.size() != 2 || !read_all(parts[0], width) || !read_all(parts[1], height) || !in_range(width) ||
       !in_range(height))
-    refuse(option, text, "a size WIDTHxHEIGHT of 1 to 16384 pixels each");
+    refuse(option, text, "a size WIDTHxHEIGHT of 1 to 16384 each");
   return {width, height};
 }
 

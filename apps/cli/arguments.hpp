@@ -16,6 +16,9 @@ namespace sightline::cli {
 /// A whole number in [low, high].
 std::uint64_t parse_whole(std::string_view option, std::string_view text, std::uint64_t low, std::uint64_t high);
 
+/// A number that is neither infinite nor NaN.
+double parse_finite(std::string_view option, std::string_view text);
+
 /// A number above zero; "inf" only if `may_be_infinite`.
 double parse_positive(std::string_view option, std::string_view text, bool may_be_infinite = false);
 

@@ -46,14 +46,13 @@ Scene scene_of(const PolygonSet& polygons) {
 
 int run_boolean(const BooleanOptions& options) {
   const BooleanOp op = operation_of(options.operation);
-  if (!options.output.ends_with(".glb")) throw UsageError(options.output + ": scenes are written as .glb files");
   JsonOutput output(options.common);
   const PolygonSet a = solid_of(options.first, options.common), b = solid_of(options.second, options.common);
   const BooleanResult result = boolean_of(a, b, op);
   const Scene scene = scene_of(result.polygons);
   save_glb(scene, options.output);
   const double volumes[3] = {enclosed_volume(a), enclosed_volume(b), enclosed_volume(result.polygons)};
-  if (!options.common.json_to_stdout() && !options.common.quiet)
+  if (options.common.prints())
     fmt::print("{}: {} triangles; {:.6g} m3 and {:.6g} m3 give {:.6g} m3\n", options.output, scene.triangle_count(),
                volumes[0], volumes[1], volumes[2]);
   output.write({{"schema", "sightline.boolean/1"},

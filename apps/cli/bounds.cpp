@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "camera.hpp"
+#include "interrupt.hpp"
 #include "json_output.hpp"
 #include "scene_argument.hpp"
 #include "sightline/parallel/parallel.hpp"
@@ -121,7 +122,8 @@ VisibleSet truth_of(const Scene& scene, const View& view, const VisibleSet& boxe
   return truth;
 }
 
-void count_false(const BoundsOptions& options, const IndexedScene& indexed, const std::vector<View>& views,
+/// Interrupted, it leaves those of the views that were counted.
+void count_false(const BoundsOptions& options, const IndexedScene& indexed, std::vector<View>& views,
                  std::vector<Row>& rows, std::size_t& objects, std::size_t& inside) {
   using Clock = std::chrono::steady_clock;
   const VisibleSet all = VisibleSet::all(indexed.scene.objects().size());
@@ -145,6 +147,7 @@ void count_false(const BoundsOptions& options, const IndexedScene& indexed, cons
       for (const ObjectId id : truth.order()) rows[i].missed += visible.contains(id) ? 0 : 1;
     }
     progress.show(v + 1);
+    if (interrupted()) views.resize(v + 1);
   }
   for (std::size_t i = 0; i < rows.size(); ++i) {
     std::sort(times[i].begin(), times[i].end());
@@ -190,9 +193,10 @@ void measure_volumes(const Scene& scene, const View& view, std::vector<Row>& row
 }  // namespace
 
 int run_bounds(const BoundsOptions& options) {
+  catch_interrupts();
   JsonOutput output(options.common);
   const LoadedScene loaded = open_scene(options.scene, options.common);
-  const CameraPath path = open_path(options.path, options.camera, loaded.scene, options.common.seed);
+  CameraPath path = open_path(options.path, options.camera, loaded.scene, options.common.seed);
   const IndexedScene indexed = index_scene(loaded.scene);
   std::vector<Row> rows(std::size(kinds));
   Sums hulls;
@@ -202,7 +206,7 @@ int run_bounds(const BoundsOptions& options) {
   Json json{{"schema", "sightline.bounds/1"}, {"scene", options.scene},
             {"frames", path.views.size()},    {"tests", objects},
             {"in_frustum", inside},           {"rows", Json::array()}};
-  const bool text = !options.common.json_to_stdout() && !options.common.quiet;
+  const bool text = options.common.prints();
   if (text) {
     fmt::print("{} frustum tests of each kind; a triangle of the object lay in the frustum in {}\n", objects, inside);
     fmt::print("{:<24} {:>10} {:>10} {:>10} {:>8} {:>9} {:>16} {:>7}\n", "bound", "volume", "surface", "area", "bytes",
@@ -234,7 +238,7 @@ int run_bounds(const BoundsOptions& options) {
         "of the\n"
         "objects outside of the frustum that are reported\n");
   output.write(json);
-  return missed > 0 ? exit_missed : exit_ok;
+  return missed > 0 ? exit_missed : interrupted() ? exit_interrupted : exit_ok;
 }
 
 }  // namespace sightline::cli

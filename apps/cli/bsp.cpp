@@ -200,7 +200,7 @@ int run_bsp(const BspOptions& options) {
     loaded.emplace(open_scene(options.scene, options.common));
     polygons = scene_polygons(loaded->scene, 20'000'000, "bsp").polygons;
   }
-  const bool print = !options.common.json_to_stdout() && !options.common.quiet;
+  const bool print = options.common.prints();
   if (print)
     fmt::print("{:<14} {:>10} {:>10} {:>7} {:>10} {:>7} {:>8} {:>11}\n", "splitter", "polygons", "fragments", "ratio",
                "nodes", "depth", "dropped", "build ms");

@@ -16,10 +16,9 @@ void add_bsp(CLI::App& app, BspOptions& options) {
   add_whole(app, "--most-fragments", "a tree of more is given up", options.most_fragments, 1, 1'000'000'000);
   add_text(app, "--most-seconds", "SECONDS", "a tree that takes longer is given up", "60",
            [&options](const std::string& text) { options.most_seconds = parse_positive("--most-seconds", text); });
-  app.add_option("-o,--output", options.output, "a picture of a horizontal cut through the first tree, .png")
-      ->type_name("FILE");
+  add_output(app, "-o,--output", "a picture of a horizontal cut through the first tree, .png", options.output, ".png");
   add_text(app, "--height", "METRES", "of the cut [the middle of the scene]", "",
-           [&options](const std::string& text) { options.height = parse_vector("--height", "0," + text + ",0").y; });
+           [&options](const std::string& text) { options.height = parse_finite("--height", text); });
   add_common(app, options.common);
   app.footer("Examples:\n  sightline bsp generate:city:objects=200\n  sightline bsp worked-example -o example.png");
 }
@@ -28,7 +27,7 @@ void add_boolean(CLI::App& app, BooleanOptions& options) {
   app.add_option("FIRST", options.first, "a scene whose objects bound closed solids that do not overlap")->required();
   app.add_option("OPERATION", options.operation, "union, intersection or difference")->required();
   app.add_option("SECOND", options.second, "another one")->required();
-  app.add_option("-o,--output", options.output, "the file to write, .glb")->type_name("FILE")->required();
+  add_output(app, "-o,--output", "the file to write, .glb", options.output, ".glb")->required();
   add_common(app, options.common);
   app.footer("Examples:\n  sightline boolean house.glb difference rooms.glb -o shell.glb");
 }

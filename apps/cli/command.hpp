@@ -28,9 +28,18 @@ CLI::Option* add_whole(CLI::App& app, const std::string& flag, const std::string
   });
 }
 
-/// A length above zero.
+/// A length of smallest_distance to largest_distance.
 CLI::Option* add_metres(CLI::App& app, const std::string& flag, const std::string& help, std::optional<double>& value,
                         bool may_be_infinite = false);
+
+/// A file that the verb writes, whose name must end with `ending`; - for standard output. Its type is FILE, by which
+/// check_outputs() knows it.
+CLI::Option* add_output(CLI::App& app, const std::string& flags, const std::string& help, std::string& file,
+                        const std::string& ending = "");
+
+/// Throws UsageError if an output of the parsed verb would take the place of an input or of another output. True if one
+/// of them goes to standard output.
+bool check_outputs(const CLI::App& verb);
 
 void add_common(CLI::App& app, CommonOptions& options);
 void add_scene(CLI::App& app, std::string& scene);

@@ -76,7 +76,7 @@ int run_compare(const CompareOptions& options) {
 
   const Comparison comparison = compare_walk(report);
   const Json compared = comparison_json(comparison);
-  if (!options.common.json_to_stdout() && !options.common.quiet)
+  if (options.common.prints())
     fmt::print("{}: {} objects, {} triangles, {} frames\n{}", options.scene, loaded.scene.objects().size(),
                loaded.scene.triangle_count(), report.views.size(), comparison_table(comparison));
   Json json{{"schema", "sightline.compare/1"},

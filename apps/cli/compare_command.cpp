@@ -14,7 +14,7 @@ void add_compare(CLI::App& app, CompareOptions& options) {
   add_path(app, options.path);
   add_camera(app, options.camera);
   add_whole(app, "--samples", "check N x N rays for each pixel", options.samples, 1, most_samples);
-  app.add_option("--report", options.report, "write a page with the result to DIR/index.html")->type_name("DIR");
+  add_output(app, "--report", "write a page with the result to DIR/index.html", options.report)->type_name("DIR");
   add_common(app, options.common);
   app.footer(
       "Every method answers for the same frames; each frame is checked against the truth. The cost model says which\n"

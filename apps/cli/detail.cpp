@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "camera.hpp"
+#include "interrupt.hpp"
 #include "json_output.hpp"
 #include "picture.hpp"
 #include "scene_argument.hpp"
@@ -49,18 +50,20 @@ Picture pair(const IndexedScene& indexed, const Worst& worst) {
 }  // namespace
 
 int run_detail(const DetailOptions& options) {
+  catch_interrupts();
   as_usage([&] { (void)find_algorithm(parse_method(options.method).name, Family::culler); });
   std::optional<OutputFile> picture;
   if (!options.output.empty()) picture.emplace(options.output);
   JsonOutput output(options.common);
   const LoadedScene loaded = open_scene(options.scene, options.common);
-  const CameraPath path = open_path(options.path, options.camera, loaded.scene, options.common.seed);
+  CameraPath path = open_path(options.path, options.camera, loaded.scene, options.common.seed);
   const IndexedScene indexed = index_scene(loaded.scene);
   const auto culler = as_usage([&] { return make_culler(options.method, indexed); });
   const auto frustum = make_culler("frustum_linear", indexed);
   const Oracle oracle(loaded.scene);
   const VisibleSet all = VisibleSet::all(loaded.scene.objects().size());
   Worst worst;
+  Progress progress("frames", path.views.size(), options.common.quiet);
   std::uint64_t in_view = 0, drawn = 0, seen = 0, lost = 0, lost_objects = 0, covered = 0;
   for (std::size_t v = 0; v < path.views.size(); ++v) {
     VisibleSet visible, before;
@@ -77,6 +80,8 @@ int run_detail(const DetailOptions& options) {
     for (const std::uint32_t samples : truth.samples) covered += samples;
     if (v == 0 || verdict.missed_samples > worst.lost)
       worst = {v, verdict.missed_samples, path.views[v], std::move(visible)};
+    progress.show(v + 1);
+    if (interrupted()) path.views.resize(v + 1);  // what is there is kept
   }
   const auto mean = [&](std::uint64_t sum) {
     return static_cast<double>(sum) / static_cast<double>(std::max<std::size_t>(path.views.size(), 1));
@@ -93,7 +98,7 @@ int run_detail(const DetailOptions& options) {
                   {"covered_pixels", mean(covered)},
                   {"worst_frame", worst.frame},
                   {"worst_lost_pixels", worst.lost}};
-  if (!options.common.json_to_stdout() && !options.common.quiet)
+  if (options.common.prints())
     fmt::print(
         "{}: of {:.1f} objects in the frustum a frame {:.1f} are drawn; {:.1f} of {:.1f} seen are lost, with {:.1f} of "
         "{:.0f} pixels; worst "
@@ -105,7 +110,7 @@ int run_detail(const DetailOptions& options) {
     picture->commit();
   }
   output.write(json);
-  return exit_ok;
+  return interrupted() ? exit_interrupted : exit_ok;
 }
 
 }  // namespace sightline::cli

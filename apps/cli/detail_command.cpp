@@ -12,7 +12,7 @@ void add_detail(CLI::App& app, DetailOptions& options) {
       ->capture_default_str();
   add_path(app, options.path);
   add_camera(app, options.camera);
-  app.add_option("-o,--output", options.output, "picture of the worst frame, off and on, .png")->type_name("FILE");
+  add_output(app, "-o,--output", "picture of the worst frame, off and on, .png", options.output, ".png");
   add_common(app, options.common);
   app.footer("Examples:\n  sightline detail generate:city:objects=20000 --method detail:pixels=100 -o pair.png");
 }

@@ -96,8 +96,7 @@ int explain_one(const ExplainOptions& options, const LoadedScene& loaded, JsonOu
     picture->write(encode_png(explanation_picture(scene, view, frame, judgement.why)));
     picture->commit();
   }
-  if (!options.common.json_to_stdout() && options.output != "-")
-    fmt::print("{}", explanation_text(scene, view, judgement));
+  if (!options.common.stdout_taken) fmt::print("{}", explanation_text(scene, view, judgement));
   output.write(explanation_json(scene, view, judgement));
   return judgement.broken_promise() ? exit_missed : exit_ok;
 }
@@ -161,7 +160,7 @@ int explain_many(const ExplainOptions& options, const LoadedScene& loaded, JsonO
       progress.show(tally.pairs);
     }
   }
-  if (!options.common.json_to_stdout()) print_tally(options, tally);
+  if (!options.common.stdout_taken) print_tally(options, tally);
   output.write({{"schema", "sightline.explain_random/1"},
                 {"scene", options.scene},
                 {"method", options.method},

@@ -18,10 +18,9 @@ void add_explain(CLI::App& app, ExplainOptions& options) {
   add_view(app, options.view);
   add_whole(app, "--samples", "look with N x N rays for each pixel", options.samples, 1, most_samples);
   CLI::Option* picture =
-      app.add_option(
-             "-o,--output", options.output,
-             "a picture of the view, .png: the object outlined, what is seen of it green, what covers it tinted")
-          ->type_name("FILE");
+      add_output(app, "-o,--output",
+                 "a picture of the view, .png: the object outlined, what is seen of it green, what covers it tinted",
+                 options.output, ".png");
   add_whole(app, "--random", "explain N random objects in the views of the path and count", options.random, 1,
             most_pairs)
       ->default_str("")

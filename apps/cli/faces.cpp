@@ -210,7 +210,7 @@ int run_faces(const FacesOptions& options) {
   for (const FrameResult& frame : frames)
     json["rotated_frames"].push_back(
         {{"frame", frame.frame}, {"probability", frame.probability}, {"found", frame.culled}});
-  if (!options.common.json_to_stdout() && !options.common.quiet) {
+  if (options.common.prints()) {
     fmt::print("meshes: {} solid ({} triangles), {} open ({}), {} inverted ({}); only solid ones lose triangles\n",
                totals.meshes[0], totals.triangles[0], totals.meshes[1], totals.triangles[1], totals.meshes[2],
                totals.triangles[2]);

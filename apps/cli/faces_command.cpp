@@ -11,13 +11,12 @@ void add_faces(CLI::App& app, FacesOptions& options) {
            [&options](const std::string& text) { options.methods = parse_names("--method", text); });
   add_path(app, options.path);
   add_camera(app, options.camera);
-  app.add_option("--mask", options.mask, "picture of the normal mask of the first view, .png")->type_name("FILE");
-  app.add_option("--volume", options.volume, "picture of a cluster and its culling volume, .png")->type_name("FILE");
-  app.add_option("--mask-speed", options.mask_speed, "plot of normal masks: speed against what they find, .svg")
-      ->type_name("FILE");
-  app.add_option("--cluster-speed", options.cluster_speed,
-                 "plot of clusters: speed and share found by their number, .svg")
-      ->type_name("FILE");
+  add_output(app, "--mask", "picture of the normal mask of the first view, .png", options.mask, ".png");
+  add_output(app, "--volume", "picture of a cluster and its culling volume, .png", options.volume, ".png");
+  add_output(app, "--mask-speed", "plot of normal masks: speed against what they find, .svg", options.mask_speed,
+             ".svg");
+  add_output(app, "--cluster-speed", "plot of clusters: speed and share found by their number, .svg",
+             options.cluster_speed, ".svg");
   add_common(app, options.common);
   app.footer(
       "Examples:\n  sightline faces generate:city\n"

@@ -10,7 +10,6 @@
 namespace sightline::cli {
 
 int run_generate(const GenerateOptions& options) {
-  if (!options.output.ends_with(".glb")) throw UsageError(options.output + ": scenes are written as .glb files");
   JsonOutput output(options.common);
   GenerateConfig config;
   config.objects = options.objects;
@@ -21,7 +20,7 @@ int run_generate(const GenerateOptions& options) {
   progress.show(1);
   save_glb(scene, options.output);
   progress.show(2);
-  if (!options.common.json_to_stdout() && !options.common.quiet)
+  if (options.common.prints())
     fmt::print("{}: {} objects, {} triangles, {} unique meshes\n", options.output, scene.objects().size(),
                scene.triangle_count(), scene.meshes().size());
   output.write({{"schema", "sightline.generate/1"},

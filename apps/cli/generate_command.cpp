@@ -11,7 +11,7 @@ void add_generate(CLI::App& app, GenerateOptions& options) {
   add_whole(app, "--objects", "about so many objects", options.objects, 1, most_objects);
   add_whole(app, "--triangles", "about so many triangles over all objects; 0 for what the kind finds natural",
             options.triangles, 0, most_triangles);
-  app.add_option("-o,--output", options.output, "the file to write, .glb")->type_name("FILE")->required();
+  add_output(app, "-o,--output", "the file to write, .glb", options.output, ".glb")->required();
   add_common(app, options.common);
   app.footer("Examples:\n  sightline generate city --objects 20000 --seed 3 -o city.glb");
 }

@@ -74,7 +74,7 @@ int run_info(const InfoOptions& options) {
   const LoadedScene loaded = open_scene(options.scene, silent);
   const double load_ms = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
   const Json json = info_json(options, loaded, load_ms);
-  if (!options.common.json_to_stdout()) print_text(options, loaded, json);
+  if (!options.common.stdout_taken) print_text(options, loaded, json);
   output.write(json);
   return exit_ok;
 }

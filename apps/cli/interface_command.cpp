@@ -5,6 +5,7 @@
 
 #include "command.hpp"
 #include "interface.hpp"
+#include "methods.hpp"
 #include "output.hpp"
 #include "sightline/registry.hpp"
 #include "sightline/scene/generate/generate.hpp"
@@ -22,10 +23,13 @@ std::vector<std::string> parts_of(const std::string& text, char separator) {
   return parts;
 }
 
+/// What --method of a verb takes: only walk and view make cullers that run through OpenGL.
 std::vector<std::string> method_names(const std::string& verb) {
+  const Family family = verb == "render" ? Family::renderer : verb == "faces" ? Family::face_culler : Family::culler;
+  const bool also_gl = verb == "walk" || verb == "view";
   std::vector<std::string> names;
-  for (const Algorithm& row : algorithms())
-    if ((row.family == Family::renderer) == (verb == "render")) names.emplace_back(row.name);
+  for (const Algorithm& row : also_gl ? std::span<const Algorithm>(all_algorithms()) : algorithms())
+    if (row.family == family) names.emplace_back(row.name);
   if (verb == "render") names.emplace_back("oracle");
   return names;
 }

@@ -57,7 +57,7 @@ int run_list(const ListOptions& options) {
   JsonOutput output(options.common);
   if (options.markdown)
     print_markdown();
-  else if (!options.common.json_to_stdout())
+  else if (!options.common.stdout_taken)
     print_text();
   output.write(list_json());
   return exit_ok;

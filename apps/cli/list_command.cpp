@@ -6,8 +6,9 @@ namespace sightline::cli {
 namespace {
 
 void add_list(CLI::App& app, ListOptions& options) {
-  app.add_flag("--markdown", options.markdown, "as tables of a README");
+  CLI::Option* markdown = app.add_flag("--markdown", options.markdown, "as tables of a README");
   add_common(app, options.common);
+  app.get_option("--json")->excludes(markdown);
   app.footer("Examples:\n  sightline list\n  sightline list --json -\n  sightline list --markdown");
 }
 

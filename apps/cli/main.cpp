@@ -6,6 +6,7 @@
 #include <new>
 #include <string>
 #include <string_view>
+#include <system_error>
 #include <vector>
 
 #include "command.hpp"
@@ -55,7 +56,8 @@ constexpr Verb (*commands[])(CLI::App&) = {
 
 /// CLI11 names neither a verb that it does not know nor those that there are.
 void check_verb(int argc, char** argv, const std::vector<Verb>& verbs) {
-  if (argc >= 2 && argv[1][0] == '-') return;
+  for (const std::string_view known : {"-h", "--help", "--version"})
+    if (argc >= 2 && argv[1] == known) return;
   std::string names;
   for (const Verb& verb : verbs) {
     if (argc >= 2 && verb.app->get_name() == argv[1]) return;
@@ -98,6 +100,7 @@ int run(int argc, char** argv) {
     throw UsageError(error.what());
   }
   const auto verb = std::find_if(verbs.begin(), verbs.end(), [](const Verb& v) { return v.app->parsed(); });
+  verb->common->stdout_taken = check_outputs(*verb->app);
   verb->common->command = command_line(argc, argv);
   set_progress(verb->common->progress);
   const ThreadLimit limit(verb->common->threads);
@@ -109,7 +112,7 @@ int run(int argc, char** argv) {
 /// One line, whatever the message holds.
 int complain(const char* prefix, std::string message, ExitCode code) {
   std::replace(message.begin(), message.end(), '\n', ' ');
-  fmt::print(stderr, "sightline: {}{}\n", prefix, message);
+  tell(fmt::format("sightline: {}{}\n", prefix, message));
   return code;
 }
 
@@ -118,6 +121,7 @@ int complain(const char* prefix, std::string message, ExitCode code) {
 
 int main(int argc, char** argv) {
   using namespace sightline::cli;
+  occupy_closed_streams();
   leave_nothing_unfinished();
   try {
     return run(argc, argv);
@@ -129,6 +133,9 @@ int main(int argc, char** argv) {
     return complain("", error.what(), exit_internal);
   } catch (const std::bad_alloc&) {
     return complain("", "out of memory", exit_internal);
+  } catch (const std::system_error& error) {
+    if (std::ferror(stdout) == 0) return complain("internal error: ", error.what(), exit_internal);
+    return complain("standard output: ", error.what(), exit_bad_input);  // what fmt::print throws
   } catch (const std::exception& error) {
     return complain("internal error: ", error.what(), exit_internal);
   }

@@ -10,8 +10,10 @@
 #include <cstdlib>
 
 #include "json_output.hpp"
+#include "methods.hpp"
 #include "picture.hpp"
 #include "query_options.hpp"
+#include "scene_argument.hpp"
 #include "sightline/surface/column_cast.hpp"
 
 #ifdef SIGHTLINE_VIEWER
@@ -138,8 +140,7 @@ int play_in_a_window(const MazeOptions& options, const GridMap& map) {
                                  column_cast(map, view_of(walker, width, height, options.fov), config, frame, counters);
                                });
   } catch (const gl::Unavailable& error) {
-    fmt::print(stderr, "sightline: {}\n", error.what());
-    return exit_internal;
+    throw MethodUnavailable(error.what());
   }
   if (!options.common.quiet) fmt::print("stopped at {:.2f} {:.2f}\n", walker.x, walker.z);
   return exit_ok;
@@ -214,6 +215,7 @@ int run_maze(const MazeOptions& options) {
   OutputFile file(options.output);
   JsonOutput output(options.common);
   const View view = view_of(at_the_start(map, options), options.width, options.height, options.fov);
+  as_usage([&] { check_view(view); });
   ColumnCastConfig config;
   config.correct_fisheye = !options.fisheye;
   Frame frame;
@@ -223,7 +225,7 @@ int run_maze(const MazeOptions& options) {
   const double ms = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
   file.write(encode_png(picture_of(frame)));
   file.commit();
-  if (!options.common.json_to_stdout() && !options.common.quiet && options.output != "-")
+  if (options.common.prints())
     fmt::print("{}: {} rays, {} cells walked, {:.2f} ms\n", options.output, view.width, counters.nodes_visited, ms);
   output.write({{"schema", "sightline.maze/1"},
                 {"output", options.output},

@@ -26,11 +26,12 @@ void add_maze(CLI::App& app, MazeOptions& options) {
              options.look_given = true;
            });
   app.add_flag("--fisheye", options.fisheye, "leave out the correction of distances, to see what it is for");
-  CLI::Option* file = app.add_option("-o,--output", options.output, "the file to write, .png")->type_name("FILE");
+  CLI::Option* file = add_output(app, "-o,--output", "the file to write, .png", options.output, ".png");
   app.add_flag("--play", options.play,
                "walk, in a window or without a display in the terminal: w a s d or arrows, q ends")
       ->excludes(file);
   add_common(app, options.common);
+  app.get_option("--play")->excludes("--json");
   app.footer(
       "Examples:\n  sightline maze -o maze.png\n  sightline maze --seed 7 --fisheye -o bent.png\n"
       "  sightline maze --play");

@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "camera.hpp"
+#include "interrupt.hpp"
 #include "json_output.hpp"
 #include "scene_argument.hpp"
 #include "sightline/oracle/oracle.hpp"
@@ -112,6 +113,7 @@ Report measure(const OccludersOptions& options, const Scene& scene) {
       report.ways[i].missed += judge(truth, visible).missed.size();
     }
     progress.show(++report.frames);
+    if (interrupted()) break;
   }
   return report;
 }
@@ -153,8 +155,6 @@ View picture_view(const OccludersOptions& options, const Scene& scene) {
 }  // namespace
 
 int run_occluders(const OccludersOptions& options) {
-  if (!options.output.empty() && !options.output.ends_with(".glb"))
-    throw UsageError(options.output + ": scenes are written as .glb files");
   if (options.output.empty() && !options.report && options.picture.empty())
     throw UsageError("--output or --report or --picture is needed");
   if (options.whole && options.report) throw UsageError("--report measures occluders by object, not --whole");
@@ -190,7 +190,7 @@ int run_occluders(const OccludersOptions& options) {
     picture->write(encode_png(picture_occlusion(scene, made, view, options.show)));
     picture->commit();
   }
-  const bool talk = !options.common.json_to_stdout() && !options.common.quiet;
+  const bool talk = options.common.prints();
   if (talk)
     fmt::print("{}: {} occluder triangles of {} ({:.2f} %), made in {:.2f} s\n",
                options.output.empty() ? options.scene : options.output, made.triangle_count(), scene.triangle_count(),
@@ -198,11 +198,13 @@ int run_occluders(const OccludersOptions& options) {
                seconds);
   int code = exit_ok;
   if (options.report) {
+    catch_interrupts();
     const Report report = measure(options, scene);
     if (talk) print_report(report);
     json["report"] = report_json(report);
     for (const Measured& way : report.ways)
       if (way.missed > 0) code = exit_missed;
+    if (code == exit_ok && interrupted()) code = exit_interrupted;
   }
   output.write(json);
   return code;

@@ -7,13 +7,13 @@ namespace {
 
 void add_occluders(CLI::App& app, OccludersOptions& options) {
   add_scene(app, options.scene);
-  app.add_option("-o,--output", options.output, "write the occluders as a scene, .glb")->type_name("FILE");
+  add_output(app, "-o,--output", "write the occluders as a scene, .glb", options.output, ".glb");
   add_whole(app, "--budget", "most triangles, each instance counted; 0 for a tenth of the scene's", options.budget, 0,
             1'000'000'000);
   app.add_flag("--whole", options.whole, "one occluder in world space, patches grow across objects");
   app.add_flag_callback("--no-solids", [&options] { options.solids = false; }, "surfaces only, no boxes inside");
   app.add_flag("--report", options.report, "measure along a path what the occluders find, against all triangles");
-  app.add_option("--picture", options.picture, "a picture of one view, .png")->type_name("FILE");
+  add_output(app, "--picture", "a picture of one view, .png", options.picture, ".png");
   add_text(app, "--show", "occluders|horizon|overlap", "what the picture shows", "occluders",
            [&options](const std::string& text) {
              if (text == "occluders")

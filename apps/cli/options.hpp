@@ -44,9 +44,12 @@ struct CommonOptions {
   bool quiet = false;      // no progress, no warnings, no tables
   bool strict = false;     // warnings about the scene file are errors
   ProgressKind progress = ProgressKind::automatic;
-  std::string command;  // the command line as a person would type it again; set by main
+  // Set by main:
+  std::string command;        // the command line as a person would type it again
+  bool stdout_taken = false;  // an output goes to standard output
 
-  [[nodiscard]] bool json_to_stdout() const { return json == "-"; }
+  /// Whether a person wants to read tables there.
+  [[nodiscard]] bool prints() const { return !quiet && !stdout_taken; }
 };
 
 /// How a view is made where its path leaves it open.

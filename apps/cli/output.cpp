@@ -1,5 +1,6 @@
 #include "output.hpp"
 
+#include <fcntl.h>
 #include <fmt/format.h>
 #include <unistd.h>
 
@@ -15,6 +16,15 @@ namespace {
 ProgressKind progress_kind = ProgressKind::automatic;
 }  // namespace
 
+void occupy_closed_streams() {
+  // Read only: what is written to the stream fails as it would if it were closed.
+  while (true) {
+    const int descriptor = open("/dev/null", O_RDONLY | O_CLOEXEC);
+    if (descriptor > STDERR_FILENO) close(descriptor);
+    if (descriptor < 0 || descriptor > STDERR_FILENO) return;
+  }
+}
+
 void flush_stdout() {
   if (std::fflush(stdout) != 0 || std::ferror(stdout) != 0)
     throw InputError("standard output", "", fmt::format("cannot write: {}", std::strerror(errno)));
@@ -25,7 +35,9 @@ bool stdout_has_colour() {
   return isatty(STDOUT_FILENO) != 0 && (no_color == nullptr || *no_color == '\0');
 }
 
-void warn(std::string_view line) { fmt::print(stderr, "sightline: warning: {}\n", line); }
+void tell(std::string_view text) { (void)std::fwrite(text.data(), 1, text.size(), stderr); }
+
+void warn(std::string_view line) { tell(fmt::format("sightline: warning: {}\n", line)); }
 
 void set_progress(ProgressKind kind) { progress_kind = kind; }
 
@@ -38,12 +50,12 @@ Progress::Progress(std::string_view label, std::size_t total, bool quiet)
 }
 
 Progress::~Progress() {
-  if (bar_) fmt::print(stderr, "\r\x1b[K");
+  if (bar_) tell("\r\x1b[K");
   if (lines_ && done_ > 0 && !told_) print_line();
 }
 
 void Progress::print_line() {
-  fmt::print(stderr, "{{\"progress\":\"{}\",\"done\":{},\"total\":{}}}\n", label_, done_, total_);
+  tell(fmt::format("{{\"progress\":\"{}\",\"done\":{},\"total\":{}}}\n", label_, done_, total_));
   std::fflush(stderr);
 }
 
@@ -61,8 +73,8 @@ void Progress::show(std::size_t done) {
   }
   constexpr std::size_t width = 30;
   const std::size_t filled = std::min(done, total_) * width / total_;
-  fmt::print(stderr, "\r\x1b[K[{}{}] {}/{} {}", std::string(filled, '#'), std::string(width - filled, '.'), done,
-             total_, label_);
+  tell(fmt::format("\r\x1b[K[{}{}] {}/{} {}", std::string(filled, '#'), std::string(width - filled, '.'), done, total_,
+                   label_));
   std::fflush(stderr);
 }
 

@@ -12,11 +12,18 @@
 
 namespace sightline::cli {
 
+/// Standard streams that the caller has closed are occupied, so that no output file takes the place of one and gets
+/// what is printed. Call first of all.
+void occupy_closed_streams();
+
 /// Throws InputError if standard output could not take all that was printed.
 void flush_stdout();
 
 /// True if standard output is a terminal and NO_COLOR is not set.
 bool stdout_has_colour();
+
+/// Text on standard error. That nobody can read it there is no error.
+void tell(std::string_view text);
 
 /// One warning line on standard error.
 void warn(std::string_view line);

@@ -16,7 +16,8 @@
 namespace sightline::cli {
 namespace {
 
-Persistence measure(const PersistenceOptions& options, const Scene& scene, const std::vector<View>& views) {
+/// Interrupted, it leaves those of the views that were measured.
+Persistence measure(const PersistenceOptions& options, const Scene& scene, std::vector<View>& views) {
   const IndexedScene indexed = index_scene(scene);
   const Oracle oracle(scene);
   const auto frustum_culler = make_culler("frustum_hierarchical", indexed);
@@ -25,10 +26,11 @@ Persistence measure(const PersistenceOptions& options, const Scene& scene, const
   Progress progress("frames", views.size(), options.common.quiet);
   VisibleSet frustum;
   Counters unused;
-  for (std::size_t i = 0; i < views.size() && !interrupted(); ++i) {
+  for (std::size_t i = 0; i < views.size(); ++i) {
     frustum_culler->cull(views[i], all, frustum, unused);
     persistence.frame(frustum, oracle.look(views[i]).seen);
     progress.show(i + 1);
+    if (interrupted()) views.resize(i + 1);
   }
   return persistence;
 }
@@ -55,7 +57,7 @@ int run_persistence(const PersistenceOptions& options) {
   std::optional<OutputFile> picture;
   if (!options.picture.empty()) picture.emplace(options.picture);
   const LoadedScene loaded = open_scene(options.scene, options.common);
-  const CameraPath path = open_path(options.path, options.camera, loaded.scene, options.common.seed);
+  CameraPath path = open_path(options.path, options.camera, loaded.scene, options.common.seed);
   const Persistence persistence = measure(options, loaded.scene, path.views);
   const std::vector<double> keep = persistence.keep();
   const PersistenceFit fit = fit_persistence(keep, persistence.observed());
@@ -76,7 +78,7 @@ int run_persistence(const PersistenceOptions& options) {
       json["I_ratio"].push_back(static_cast<double>(hidden[i + 1]) / static_cast<double>(hidden[i]));
   }
   json["fit"] = fit.valid ? Json{{"a", fit.a}, {"b", fit.b}, {"c", fit.c}, {"error", fit.error}} : Json(nullptr);
-  if (!options.common.quiet && !options.common.json_to_stdout()) {
+  if (options.common.prints()) {
     fmt::print("{:>4} {:>12} {:>10} {:>8} {:>8}\n", "t", "I(t)", "observed", "p(t)", "fit");
     for (std::size_t i = 0; i < keep.size(); ++i)
       if (keep[i] >= 0.0)

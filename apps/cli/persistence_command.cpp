@@ -10,7 +10,7 @@ void add_persistence(CLI::App& app, PersistenceOptions& options) {
   add_path(app, options.path);
   add_camera(app, options.camera);
   add_whole(app, "--longest", "frames up to which p(t) is measured", options.longest, 3, 10'000);
-  app.add_option("--picture", options.picture, "write the curves as an SVG")->type_name("FILE");
+  add_output(app, "--picture", "write the curves as a picture, .svg", options.picture, ".svg");
   add_common(app, options.common);
   app.footer(
       "I(t): objects hidden for at least t frames; p(t): the share of those hidden for t frames that stay hidden.\n\n"

@@ -24,7 +24,7 @@ int run_state_changes(const QueriesOptions& options) {
   std::optional<OutputFile> picture;
   if (!options.picture.empty()) picture.emplace(options.picture);
   const Json measured = measure_state_changes(options);
-  if (!options.common.quiet && !options.common.json_to_stdout()) {
+  if (options.common.prints()) {
     fmt::print("{:<20} {:>22} {:>16}\n", "method", "state changes a frame", "queries a frame");
     for (const Json& method : measured.at("methods")) {
       double sums[2] = {0.0, 0.0};
@@ -136,14 +136,14 @@ int run_queries(const QueriesOptions& options) {
     LinePlot plot{
         "Occlusion queries: " + context.description(), "queries in a bunch", "queries per second", true, 0, 0, {}};
     plot.curves = {{"wall clock", {}, false}, {"processor time", {}, false}};
-    if (!options.common.quiet && !options.common.json_to_stdout())
+    if (options.common.prints())
       fmt::print("{}\n{:>8} {:>14} {:>18}\n", context.description(), "bunch", "queries/s", "queries/CPU-s");
     for (const Row& row : rows) {
       json["rows"].push_back(
           {{"bunch", row.bunch}, {"per_second", row.per_second}, {"per_cpu_second", row.per_cpu_second}});
       plot.curves[0].points.emplace_back(row.bunch, row.per_second);
       plot.curves[1].points.emplace_back(row.bunch, row.per_cpu_second);
-      if (!options.common.quiet && !options.common.json_to_stdout())
+      if (options.common.prints())
         fmt::print("{:>8} {:>14.0f} {:>18.0f}\n", row.bunch, row.per_second, row.per_cpu_second);
     }
     if (picture) {

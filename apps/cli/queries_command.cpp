@@ -12,7 +12,7 @@ void add_queries(CLI::App& app, QueriesOptions& options) {
     std::tie(options.width, options.height) = parse_size("--size", text);
   });
   add_whole(app, "--queries", "queries of a round", options.boxes, 1, 1'000'000);
-  app.add_option("--picture", options.picture, "write the curves as an SVG")->type_name("FILE");
+  add_output(app, "--picture", "write the curves as a picture, .svg", options.picture, ".svg");
   CLI::Option* scene =
       app.add_option("--scene", options.scene, "count state changes of three methods on a walk through it instead");
   add_path(app, options.path);

@@ -189,7 +189,7 @@ int run_raster_report(const RasterReportOptions& options) {
     for (const auto& [name, picture] : raster_pictures())
       write_file(options.output, std::string(name) + ".png", encode_png(picture));
   }
-  if (!options.common.json_to_stdout() && !options.common.quiet) print_text(json);
+  if (options.common.prints()) print_text(json);
   output.write(json);
   return exit_ok;
 }

@@ -10,7 +10,7 @@ void add_raster_report(CLI::App& app, RasterReportOptions& options) {
   add_view(app, options.render.view);
   add_whole(app, "--instances", "spheres per axis of the built-in scene of instances; 0 leaves it out",
             options.instances, 0, 100);
-  app.add_option("-o,--output", options.output, "folder for plots (SVG) and pictures (PNG)")->type_name("DIR");
+  add_output(app, "-o,--output", "folder for plots (SVG) and pictures (PNG)", options.output)->type_name("DIR");
   add_common(app, options.common);
   app.footer(
       "Examples:\n  sightline raster-report generate:city:objects=2000 -o out/raster\n"

@@ -112,11 +112,11 @@ int run_render(const RenderOptions& options) {
   picture.write(encode_png(painted));
   picture.commit();
   progress.show(1);
-  if (!options.common.json_to_stdout() && !options.common.quiet && options.output != "-")
+  if (options.common.prints())
     fmt::print("{}: {} objects seen, {} of {} pixels covered; {}\n", options.output,
                json["objects_seen"].get<std::size_t>(), json["pixels_covered"].get<std::size_t>(), frame.object.size(),
                describe(view));
-  if (!options.against.empty() && !options.common.json_to_stdout() && !options.common.quiet && options.output != "-")
+  if (!options.against.empty() && options.common.prints())
     fmt::print("{} of {} pixels show another object than {} does\n", json["pixels_different"].get<std::size_t>(),
                frame.object.size(), options.against);
   output.write(json);

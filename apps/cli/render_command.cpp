@@ -36,7 +36,7 @@ void add_render(CLI::App& app, RenderOptions& options) {
              options.show = kind->second;
            });
   add_view(app, options.view);
-  app.add_option("-o,--output", options.output, "the file to write, .png")->type_name("FILE")->required();
+  add_output(app, "-o,--output", "the file to write, .png", options.output, ".png")->required();
   add_common(app, options.common);
   app.footer(
       "Examples:\n  sightline render city.glb --eye 0,1.7,0 --look 1,0,0 -o view.png\n"

@@ -42,9 +42,12 @@ std::optional<glm::dvec3> point_of(const std::string& file, std::size_t number, 
 }
 
 std::vector<glm::dvec3> points_of(const std::string& option, const std::string& text) {
-  const bool is_point = text.find_first_not_of("0123456789+-.,eE ") == std::string::npos &&
-                        std::count(text.begin(), text.end(), ',') == 2;
-  if (is_point) return {parse_vector(option, text)};
+  if (std::count(text.begin(), text.end(), ',') == 2 && !std::filesystem::exists(text)) {
+    const glm::dvec3 point = parse_vector(option, text);
+    if (!(glm::length(point) <= largest_distance))
+      throw UsageError(fmt::format("{}: '{}' is farther than 1e15 m from the origin", option, text));
+    return {point};
+  }
   const Bytes bytes = read_file(text);
   std::string_view rest(reinterpret_cast<const char*>(bytes.data()), bytes.size());
   std::vector<glm::dvec3> points;
@@ -126,7 +129,7 @@ int run_sight_lines(const SightLinesOptions& options) {
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   std::size_t visible = 0;
   for (const Line& line : lines) visible += line.visible ? 1 : 0;
-  if (!options.common.json_to_stdout() && !options.common.quiet) {
+  if (options.common.prints()) {
     for (const Line& line : lines) print_line(loaded.scene, line);
     if (lines.size() > 1) fmt::print("{} of {} lines of sight are free; {:.3f} s\n", visible, lines.size(), seconds);
   }

@@ -12,9 +12,11 @@ void add_sight_lines(CLI::App& app, SightLinesOptions& options) {
   app.add_flag("--pairs", options.pairs,
                "the first with the first, the second with the second, ... not each with each");
   app.add_flag("--glass", options.glass, "what is not opaque blocks, too");
-  add_text(
-      app, "--margin", "METRES", "left out at both ends, so that a point may lie on a surface", "0.001",
-      [&options](const std::string& text) { options.margin = text == "0" ? 0.0 : parse_positive("--margin", text); });
+  add_text(app, "--margin", "METRES", "left out at both ends, so that a point may lie on a surface", "0.001",
+           [&options](const std::string& text) {
+             options.margin = parse_finite("--margin", text);
+             if (options.margin < 0.0) throw UsageError("--margin: '" + text + "' is below 0");
+           });
   add_common(app, options.common);
   app.footer(
       "Examples:\n  sightline sight-lines building.glb --from 1,1.7,2 --to 8,1.7,3\n"

@@ -5,6 +5,7 @@
 #include <chrono>
 
 #include "camera.hpp"
+#include "interrupt.hpp"
 #include "json_output.hpp"
 #include "line_plot.hpp"
 #include "picture.hpp"
@@ -42,7 +43,8 @@ void measure_boxes(const Scene& scene, const OccludeeBounds& bounds, Row& row) {
   row.volume = one_volume > 0.0 ? volume / one_volume : 1.0;
 }
 
-std::vector<Row> sweep(const SigmaOptions& options, const IndexedScene& indexed, const std::vector<View>& views) {
+/// Interrupted, it leaves those of the views that were looked at.
+std::vector<Row> sweep(const SigmaOptions& options, const IndexedScene& indexed, std::vector<View>& views) {
   using Clock = std::chrono::steady_clock;
   std::vector<Row> rows;
   std::vector<std::unique_ptr<Culler>> cullers;
@@ -68,13 +70,15 @@ std::vector<Row> sweep(const SigmaOptions& options, const IndexedScene& indexed,
       rows[i].reported += visible.count();
       rows[i].seen += truth.seen.count();
       rows[i].missed += verdict.missed.size();
-      rows[i].queries += static_cast<double>(counters.queries) / static_cast<double>(views.size());
+      rows[i].queries += static_cast<double>(counters.queries);
     }
     progress.show(v + 1);
+    if (interrupted()) views.resize(v + 1);
   }
   for (std::size_t i = 0; i < rows.size(); ++i) {
     std::sort(times[i].begin(), times[i].end());
     rows[i].ms = times[i].empty() ? 0.0 : times[i][times[i].size() / 2];
+    rows[i].queries /= static_cast<double>(std::max<std::size_t>(views.size(), 1));
   }
   return rows;
 }
@@ -132,12 +136,13 @@ LinePlot plot_of(const SigmaOptions& options, const std::vector<Row>& rows) {
 }  // namespace
 
 int run_sigma(const SigmaOptions& options) {
+  catch_interrupts();
   std::optional<OutputFile> picture, plot;
   if (!options.output.empty()) picture.emplace(options.output);
   if (!options.plot.empty()) plot.emplace(options.plot);
   JsonOutput output(options.common);
   const LoadedScene loaded = open_scene(options.scene, options.common);
-  const CameraPath path = open_path(options.path, options.camera, loaded.scene, options.common.seed);
+  CameraPath path = open_path(options.path, options.camera, loaded.scene, options.common.seed);
   const IndexedScene indexed = index_scene(loaded.scene);
   const std::vector<Row> rows = sweep(options, indexed, path.views);
   Json json{{"schema", "sightline.sigma/1"},
@@ -145,7 +150,7 @@ int run_sigma(const SigmaOptions& options) {
             {"frames", path.views.size()},
             {"rows", Json::array()}};
   std::size_t missed = 0;
-  const bool text = !options.common.json_to_stdout() && !options.common.quiet;
+  const bool text = options.common.prints();
   if (text)
     fmt::print("{:>6} {:>12} {:>9} {:>8} {:>10} {:>10} {:>14} {:>7} {:>10} {:>9}\n", "sigma", "boxes/object", "surface",
                "volume", "reported", "seen", "false-visible", "missed", "queries", "ms");
@@ -175,7 +180,7 @@ int run_sigma(const SigmaOptions& options) {
     plot->commit();
   }
   output.write(json);
-  return missed > 0 ? exit_missed : exit_ok;
+  return missed > 0 ? exit_missed : interrupted() ? exit_interrupted : exit_ok;
 }
 
 }  // namespace sightline::cli

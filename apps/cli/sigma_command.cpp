@@ -18,10 +18,8 @@ void add_sigma(CLI::App& app, SigmaOptions& options) {
            });
   add_path(app, options.path);
   add_camera(app, options.camera);
-  app.add_option("-o,--output", options.output, "picture of the tight boxes of the first view, .png")
-      ->type_name("FILE");
-  app.add_option("--plot", options.plot, "plot of false-visible share, surface, queries and time, .svg")
-      ->type_name("FILE");
+  add_output(app, "-o,--output", "picture of the tight boxes of the first view, .png", options.output, ".png");
+  add_output(app, "--plot", "plot of false-visible share, surface, queries and time, .svg", options.plot, ".svg");
   add_common(app, options.common);
   app.footer(
       "Examples:\n  sightline sigma castle.glb\n  sightline sigma generate:plant --sigma 1,1.4,2 --json sigma.json");

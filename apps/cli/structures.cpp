@@ -267,7 +267,7 @@ int run_structures(const StructuresOptions& options) {
     plot_file->write(plot(rows, sets, soup.size()));
     plot_file->commit();
   }
-  if (!options.common.json_to_stdout() && !options.common.quiet) {
+  if (options.common.prints()) {
     fmt::print("{} triangles\n", soup.size());
     print_table(rows, sets, soup.size());
   }

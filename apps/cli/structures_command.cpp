@@ -14,9 +14,9 @@ void add_structures(CLI::App& app, StructuresOptions& options) {
       ->type_name("NAMES")
       ->delimiter(',');
   add_whole(app, "--rays", "rays of each kind", options.rays, 1, 100'000'000);
-  app.add_option("--plot", options.plot, "write the figures as a picture, .svg")->type_name("FILE");
-  app.add_option("--cells", options.cells, "write quadtree and kd-tree seen from above, .svg")->type_name("FILE");
-  app.add_option("--octree", options.octree, "write an octree of three generations, .svg")->type_name("FILE");
+  add_output(app, "--plot", "write the figures as a picture, .svg", options.plot, ".svg");
+  add_output(app, "--cells", "write quadtree and kd-tree seen from above, .svg", options.cells, ".svg");
+  add_output(app, "--octree", "write an octree of three generations, .svg", options.octree, ".svg");
   add_common(app, options.common);
   app.footer(
       "Examples:\n  sightline structures castle.glb --plot structures.svg\n"

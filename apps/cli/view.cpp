@@ -3,6 +3,8 @@
 
 #include "camera.hpp"
 #include "explain.hpp"
+#include "json_output.hpp"
+#include "methods.hpp"
 #include "output.hpp"
 #include "picture.hpp"
 #include "scene_argument.hpp"
@@ -53,6 +55,13 @@ viewer::SessionConfig session_of(const ViewerOptions& options, const LoadedScene
 }  // namespace
 
 int run_view(const ViewerOptions& options) {
+  const int width = options.view.camera.width, height = options.view.camera.height;
+  for (const std::string& method : options.methods)
+    as_usage([&] { (void)find_method(parse_method(method).name, Family::culler); });
+  if (options.click && (options.click->first >= width || options.click->second >= height))
+    throw UsageError(fmt::format("--click: {},{} lies outside of {}x{} pixels", options.click->first,
+                                 options.click->second, width, height));
+  JsonOutput output(options.common);
   std::optional<OutputFile> file;
   if (!options.screenshot.empty()) file.emplace(options.screenshot);
   const LoadedScene loaded = open_scene(options.scene, options.common);
@@ -62,7 +71,7 @@ int run_view(const ViewerOptions& options) {
   config.explain = [answers](const View& view, ObjectId id, const std::string& method, bool reported) {
     return (*answers)(view, id, method, reported);
   };
-  const int width = options.view.camera.width, height = options.view.camera.height;
+  const View start = config.start;
   try {
     if (!file) {
       as_usage([&] { viewer::run_window(std::move(config), indexed, width, height); });
@@ -74,10 +83,16 @@ int run_view(const ViewerOptions& options) {
     file->write(encode_png({width, height, rgb}));
     file->commit();
   } catch (const gl::Unavailable& error) {
-    fmt::print(stderr, "sightline: {}\n", error.what());
-    return exit_internal;
+    throw MethodUnavailable(error.what());
   }
-  if (!options.common.quiet && options.screenshot != "-") fmt::print("{}\n", options.screenshot);
+  if (options.common.prints()) fmt::print("{}\n", options.screenshot);
+  const glm::dvec3 look = view_direction(start);
+  output.write({{"schema", "sightline.view/1"},
+                {"scene", options.scene},
+                {"output", options.screenshot},
+                {"size", {width, height}},
+                {"eye", {start.eye.x, start.eye.y, start.eye.z}},
+                {"look", {look.x, look.y, look.z}}});
   return exit_ok;
 }
 

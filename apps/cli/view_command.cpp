@@ -11,8 +11,7 @@ void add_view_verb(CLI::App& app, ViewerOptions& options) {
            "occlusion_masked and others",
            [&options](const std::string& text) { options.methods = parse_names("--method", text); });
   add_view(app, options.view);
-  app.add_option("--screenshot", options.screenshot, "draw one picture without a display and end")
-      ->type_name("FILE.png");
+  add_output(app, "--screenshot", "draw one picture without a display and end, .png", options.screenshot, ".png");
   app.add_option("--press", options.press, "with --screenshot: keys to press before, e.g. CVF")
       ->type_name("KEYS")
       ->needs("--screenshot");
@@ -20,8 +19,10 @@ void add_view_verb(CLI::App& app, ViewerOptions& options) {
            [&options](const std::string& text) { options.click = parse_pixel("--click", text); })
       ->needs("--screenshot");
   add_common(app, options.common);
+  app.get_option("--json")->needs("--screenshot");
   app.footer(
-      "Keys: W A S D E X fly, drag orbits (right button: turns), wheel; F frame, C freeze culling, V verdicts, B "
+      "Keys: W A S D E X fly, drag orbits (right button: turns), wheel; F frame, O overview, C freeze culling, V "
+      "verdicts, B "
       "bounds, Z depth,\nQ queries, M method, N P space path, click explains, ? help, Esc quits.\n\n"
       "Examples:\n  sightline view city.glb\n"
       "  sightline view generate:city --method gl_chcpp --screenshot city.png --press CV");

@@ -144,7 +144,7 @@ int run_visible_faces(const VisibleFacesOptions& options) {
     json["cameras"].push_back({{"name", cameras[camera].name}, {"faces_seen", seen}});
   }
   json["faces_seen_by_any"] = std::count(any.begin(), any.end(), std::uint8_t{1});
-  if (!options.common.json_to_stdout() && !options.common.quiet)
+  if (options.common.prints())
     fmt::print("{}: {} cameras, {} faces, {} of them seen by at least one; {:.2f} s, {:.1f} ms per camera\n",
                options.output, table.cameras, table.faces, json["faces_seen_by_any"].get<std::size_t>(), seconds,
                1e3 * seconds / static_cast<double>(table.cameras));

@@ -17,9 +17,7 @@ void add_visible_faces(CLI::App& app, VisibleFacesOptions& options) {
                throw UsageError("--extra-points: '" + text + "' is not 0, 1 or 4");
              options.extra_points = text[0] - '0';
            });
-  app.add_option("-o,--output", options.output, "the file to write: .npy, .csv or .json")
-      ->type_name("FILE")
-      ->required();
+  add_output(app, "-o,--output", "the file to write: .npy, .csv or .json", options.output)->required();
   add_common(app, options.common);
   app.footer(
       "Faces are numbered by object, then triangle. .npy: an array (cameras, faces) of bool, or uint32 with "

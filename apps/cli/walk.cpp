@@ -42,14 +42,19 @@ WalkReport start_report(const WalkOptions& options, const Scene& scene) {
 
 void print_text(const WalkReport& report, const WalkOptions& options) {
   // With the JSON on standard output the verdict is still worth a line where it does not disturb.
-  std::FILE* stream = options.common.json_to_stdout() ? stderr : stdout;
-  if (stream == stderr && options.common.quiet) return;
-  if (stream == stdout && !options.common.quiet) fmt::print("{}", walk_table(report));
-  const bool colour = stream == stdout && stdout_has_colour();
+  const bool aside = options.common.stdout_taken;
+  if (aside && options.common.quiet) return;
+  if (!aside && !options.common.quiet) fmt::print("{}", walk_table(report));
+  const bool colour = !aside && stdout_has_colour();
   for (const WalkRun& run : report.runs) {
     const WalkSummary summary = summarise(report, run);
     const char* shade = summary.missed == 0u ? "\x1b[32m" : summary.broken_promise ? "\x1b[31m" : "\x1b[33m";
-    fmt::print(stream, "{}{}{}\n", colour ? shade : "", verdict_line(report, run), colour ? "\x1b[0m" : "");
+    const std::string line =
+        fmt::format("{}{}{}\n", colour ? shade : "", verdict_line(report, run), colour ? "\x1b[0m" : "");
+    if (aside)
+      tell(line);
+    else
+      fmt::print("{}", line);
   }
 }
 
@@ -58,11 +63,11 @@ void print_text(const WalkReport& report, const WalkOptions& options) {
 int run_walk(const WalkOptions& options) {
   check_methods(options);
   catch_interrupts();
+  if (!options.report.empty()) prepare_report(options.report);  // first: the other files may lie in its folder
   std::optional<OutputFile> json;
   if (!options.common.json.empty()) json.emplace(options.common.json);
   std::optional<OutputFile> trace;
   if (!options.trace.empty()) trace.emplace(options.trace);
-  if (!options.report.empty()) prepare_report(options.report);
 
   const LoadedScene loaded = open_scene(options.scene, options.common);
   const CameraPath path = open_path(options.path, options.camera, loaded, options.common.seed);

@@ -15,10 +15,9 @@ void add_walk(CLI::App& app, WalkOptions& options) {
   add_whole(app, "--samples", "check N x N rays for each pixel", options.samples, 1, most_samples);
   app.add_flag("--ids", options.ids, "JSON: add the visible ids and the matrix of each frame, and the objects");
   app.add_flag_callback("--no-verify", [&options] { options.verify = false; }, "do not compare with the truth");
-  app.add_option("--report", options.report, "write a page with the result to DIR/index.html")->type_name("DIR");
-  app.add_option("--trace", options.trace,
-                 "timeline of the first gl_ method, for chrome://tracing; .svg: the last frame")
-      ->type_name("FILE");
+  add_output(app, "--report", "write a page with the result to DIR/index.html", options.report)->type_name("DIR");
+  add_output(app, "--trace", "timeline of the first gl_ method, for chrome://tracing; .svg: the last frame",
+             options.trace);
   add_common(app, options.common);
   app.footer(
       "Exit codes: 0 nothing visible was missed, 1 something was, 2 usage, 3 bad input, 4 internal, 130 "

@@ -71,7 +71,8 @@ void Navigation::dolly(double notches) {
   const glm::dvec3 way = pivot_ - eye_;
   const double least = 2.0 * lens_.near / std::max(glm::length(way), 1e-12);
   eye_ = pivot_ - way * std::max(std::pow(1.0 - dolly_share, notches), std::min(1.0, least));
-  if (lens_.projection == Projection::orthographic) lens_.span_y *= std::pow(1.0 - dolly_share, notches);
+  if (lens_.projection == Projection::orthographic)
+    lens_.span_y = std::clamp(lens_.span_y * std::pow(1.0 - dolly_share, notches), smallest_distance, largest_distance);
 }
 
 void Navigation::frame(const Aabb& box, double aspect) {

@@ -2,6 +2,7 @@
 #include <imgui.h>
 
 #include "gl/presentation.hpp"
+#include "sightline/scene/input_error.hpp"
 #include "viewer/panel.hpp"
 #include "viewer/viewer.hpp"
 
@@ -45,7 +46,7 @@ std::vector<std::uint8_t> picture_of(SessionConfig config, const IndexedScene& s
   const auto frame = [&] { session.draw(picture.width, picture.height, 1.0 / 60.0); };
   for (int i = 0; i < picture.settle_frames; ++i) frame();
   for (const char key : picture.press) {
-    session.press(key);
+    if (!session.press(key)) throw InputError(std::string("no key '") + key + "' of the viewer changes a picture");
     frame();
   }
   if (picture.click_x >= 0) session.choose(picture.click_x, picture.click_y);

@@ -11,6 +11,7 @@ constexpr const char* scene = "generate:city:objects=50";
 TEST_F(Errors, UsageOfVerbsAndMethods) {
   expect_complaint({}, 2, "info");
   expect_complaint({"fly"}, 2, "'fly'");
+  expect_complaint({"--fly"}, 2, "'--fly'");
   expect_complaint({"walk"}, 2, "SCENE");
   expect_complaint({"walk", scene, "--bogus"}, 2, "--bogus");
   expect_complaint({"walk", scene, "--method", "clairvoyance"}, 2, "clairvoyance");
@@ -42,6 +43,7 @@ TEST_F(Errors, UsageOfNumbers) {
       {"--size", "1280"}, {"--size", "1x2x3"}, {"--size", "99999x2"}, {"--fov", "0"},     {"--fov", "180"},
       {"--fov", "nan"},   {"--fov", "-60"},    {"--near", "0"},       {"--near", "nan"},  {"--near", "inf"},
       {"--far", "nan"},   {"--ortho", "0"},    {"--ortho", "inf"},    {"--samples", "0"}, {"--samples", "1e9"},
+      {"--far", "0"},     {"--near", "1e-30"}, {"--ortho", "1e-300"}, {"--fov", "0.001"}, {"--fov", "179.999"},
       {"--seed", "-1"},   {"--seed", "1.5"},   {"--threads", "two"},  {"--threads", "-1"}};
   for (const auto& [option, value] : bad)
     expect_complaint({"walk", scene, "--method", "none", option, value}, 2, option);
@@ -76,6 +78,55 @@ TEST_F(Errors, UnwritableOutput) {
   expect_complaint({"info", scene, "--json", file("")}, 3, "folder");
   std::ofstream(file("plain")) << "in the way";
   expect_complaint({"walk", scene, "--method", "none", "--report", file("plain/report")}, 3, "report");
+}
+
+TEST_F(Errors, OutputsTakeNoOtherPlace) {
+  const std::string glb = file("a.glb");
+  ASSERT_EQ(run({"generate", "layers", "--objects", "3", "-o", glb}).code, 0);
+  const std::string before = read_file(glb);
+  expect_complaint({"boolean", glb, "union", glb, "-o", file("./a.glb")}, 2, "same file");
+  expect_complaint({"info", glb, "--json", glb}, 2, "same file");
+  EXPECT_EQ(read_file(glb), before) << "the input was written over";
+  expect_complaint({"walk", scene, "--method", "none", "--json", file("x"), "--trace", file("x")}, 2, "same file");
+  expect_complaint({"render", scene, "-o", "-", "--json", "-"}, 2, "same file");
+  expect_complaint({"render", scene, "-o", file("x.jpg")}, 2, ".png");
+  expect_complaint({"generate", "city", "-o", file("x.gltf")}, 2, ".glb");
+  expect_complaint({"info", scene, "--json", ""}, 2, "--json");
+  expect_complaint({"walk", scene, "--report", ""}, 2, "--report");
+  EXPECT_EQ(run({"generate", "layers", "--objects", "3", "-o", "/dev/null", "--json", "/dev/null"}).code, 0);
+  // What goes to standard output is alone there.
+  EXPECT_EQ(run({"generate", "layers", "--objects", "3", "-o", "-"}).out, before);
+  const Outcome curve = run({"persistence", scene, "--frames", "2", "--size", "64x36", "--picture", "-"});
+  EXPECT_TRUE(curve.out.starts_with("<svg")) << curve.out.substr(0, 100);
+  EXPECT_TRUE(curve.out.ends_with("</svg>\n")) << curve.out;
+}
+
+TEST_F(Errors, JsonAndReportMayShareAFolder) {
+  const Outcome outcome = run({"walk", scene, "--method", "none", "--frames", "1", "--size", "64x36", "--report",
+                               file("report"), "--json", file("report/walk.json")});
+  EXPECT_EQ(outcome.code, 0) << outcome.err;
+  EXPECT_TRUE(std::filesystem::exists(file("report/walk.json")));
+}
+
+/// The exit code of the program with its standard streams redirected by a shell.
+int code_in_shell(const std::string& words) {
+  const int status = std::system((std::string("'") + SIGHTLINE_TOOL + "' " + words).c_str());
+  return WIFEXITED(status) ? WEXITSTATUS(status) : 1000 + WTERMSIG(status);
+}
+
+TEST_F(Errors, StandardStreamsMayBeGone) {
+  if (!std::filesystem::exists("/dev/full")) GTEST_SKIP() << "SKIPPED: no /dev/full on this system";
+  EXPECT_EQ(code_in_shell("fly 2>/dev/full"), 2);
+  EXPECT_EQ(code_in_shell("fly 2>&-"), 2);
+  EXPECT_EQ(code_in_shell("info generate:soup >/dev/null --progress json 2>/dev/full"), 0);
+  EXPECT_EQ(code_in_shell("list >/dev/full 2>/dev/null"), 3);
+  EXPECT_EQ(code_in_shell("list >&- 2>/dev/null"), 3);
+  // A file must not take the descriptor of a closed stream, and with it what is printed there.
+  const std::string json = file("walk.json");
+  EXPECT_EQ(code_in_shell(std::string("walk ") + scene + " --frames 2 --size 64x36 --progress json --json '" + json +
+                          "' >/dev/null 2>&-"),
+            0);
+  EXPECT_TRUE(nlohmann::json::accept(read_file(json))) << read_file(json);
 }
 
 TEST_F(Errors, FullDiskIsNoSuccess) {

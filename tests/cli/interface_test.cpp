@@ -43,6 +43,9 @@ TEST_F(Interface, BashCompletes) {
   EXPECT_EQ(bash_offers({"sightline", "walk", "--meth"}), "--method ");
   EXPECT_EQ(bash_offers({"sightline", "walk", "--method", "frustum_l"}), "frustum_linear ");
   EXPECT_EQ(bash_offers({"sightline", "render", "--method", "zbuffer_"}), "zbuffer_tiled ");
+  EXPECT_EQ(bash_offers({"sightline", "walk", "--method", "backf"}), " ");
+  EXPECT_EQ(bash_offers({"sightline", "faces", "--method", "backf"}), "backface ");
+  EXPECT_EQ(bash_offers({"sightline", "explain", "--method", "gl_"}), " ");
   EXPECT_EQ(bash_offers({"sightline", "render", "--show", "d"}), "depth ");
   EXPECT_EQ(bash_offers({"sightline", "generate", "fo"}), "forest ");
   EXPECT_EQ(bash_offers({"sightline", "walk", "--seed", "1"}), " ");
@@ -131,6 +134,24 @@ TEST_F(Interface, StrictMakesWarningsErrors) {
   const Json walk =
       run({"walk", file("lines.obj"), "--frames", "1", "--size", "64x36", "--quiet", "--json", "-"}).json();
   EXPECT_EQ(walk.at("warnings").size(), 1u);
+}
+
+TEST_F(Interface, InterruptKeepsTheFramesSoFar) {
+  constexpr std::size_t frames = 20000;
+  for (const char* verb : {"bounds", "detail", "persistence", "sigma"}) {
+    std::filesystem::remove(file("stderr"));  // of the verb before
+    const pid_t child = start({verb, "generate:city:objects=60", "--frames", std::to_string(frames), "--size", "64x36",
+                               "--json", file("out.json"), "--quiet", "--progress", "json"});
+    const auto has_begun = [&] { return read_file(file("stderr")).find("\"frames\"") != std::string::npos; };
+    for (int tries = 0; tries < 3000 && !has_begun(); ++tries)
+      std::this_thread::sleep_for(std::chrono::milliseconds(10));
+    ASSERT_TRUE(has_begun()) << verb;
+    kill(child, SIGINT);
+    EXPECT_EQ(finish(child).code, 130) << verb;
+    const Json json = Json::parse(read_file(file("out.json")));
+    EXPECT_GE(json.at("frames").get<std::size_t>(), 1u) << verb;
+    EXPECT_LT(json.at("frames").get<std::size_t>(), frames) << verb;
+  }
 }
 
 TEST_F(Interface, InterruptLeavesNoHalfFile) {

@@ -19,16 +19,23 @@ class View : public ProgramTest {
 
 TEST_F(View, DrawsAPictureWithoutADisplay) {
   const Outcome outcome = run({"view", "generate:city:objects=100", "--size", "320x200", "--screenshot",
-                               file("picture.png").string(), "--press", "CV", "--click", "160,150"});
+                               file("picture.png").string(), "--press", "CV", "--click", "160,150", "--json", "-"});
   if (outcome.code == 4 || outcome.code == 2) GTEST_SKIP() << "NO OPENGL OR VIEWER: " << outcome.err;
   ASSERT_EQ(outcome.code, 0) << outcome.err;
   EXPECT_EQ(read_file(file("picture.png")).substr(1, 3), "PNG");
+  EXPECT_EQ(outcome.json()["size"], nlohmann::json({320, 200}));
+  expect_complaint({"view", "generate:city:objects=10", "--screenshot", file("a.png").string(), "--press", "CX"}, 2,
+                   "'X'");
 }
 
 TEST_F(View, RefusesWhatMakesNoSense) {
   expect_complaint({"view", "generate:city:objects=10", "--press", "C"}, 2, "--screenshot");
   expect_complaint({"view", "generate:city:objects=10", "--screenshot", file("a.png").string(), "--click", "1"}, 2,
                    "--click");
+  expect_complaint({"view", "generate:city:objects=10", "--screenshot", file("a.png").string(), "--click", "1280,0"}, 2,
+                   "--click");
+  expect_complaint({"view", "generate:city:objects=10", "--json", file("a.json").string()}, 2, "--screenshot");
+  expect_complaint({"view", "generate:city:objects=10", "--method", "none,zbuffer"}, 2, "gl_chc");
   expect_complaint({"view", file("none.glb").string(), "--screenshot", file("a.png").string()}, 3, "none.glb");
   EXPECT_FALSE(std::filesystem::exists(file("a.png")));
 }

@@ -86,6 +86,10 @@ TEST(View, CheckAcceptsTheLimits) {
   EXPECT_NO_THROW(check_view(view));
   view.width = view.height = 16384;
   EXPECT_NO_THROW(check_view(view));
+  view.near = smallest_distance;
+  EXPECT_NO_THROW(check_view(view));
+  view.near = 0.5 * smallest_distance;  // clipped triangles lose their digits: renderers drew other pixels than rays
+  EXPECT_THROW(check_view(view), InputError);
 }
 
 TEST(View, CheckNamesWhatIsWrong) {
@@ -149,6 +153,10 @@ TEST(View, CheckKnowsOrthographicViews) {
   view.far = infinity;
   EXPECT_THROW(check_view(view), InputError);
   view.far = 10;
+  view.span_y = smallest_distance;
+  EXPECT_NO_THROW(check_view(view));
+  view.span_y = 1e-35;  // pixels per metre overflow a float: occlusion_masked lost what fills the view
+  EXPECT_THROW(check_view(view), InputError);
   view.span_y = 0;
   EXPECT_THROW(check_view(view), InputError);
   view.span_y = std::nan("");

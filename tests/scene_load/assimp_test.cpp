@@ -323,6 +323,29 @@ TEST(ChildProcess, WhateverHappensEndsAsBytesOrAnError) {
   EXPECT_EQ(error_of([](ByteSink&) { raise(SIGXCPU); }), "takes too long to read");
 }
 
+TEST(Assimp, TextsThatEndEarlyAreSeen) {
+  const std::string ply = exported("ply", "a.ply"), stl = exported("stl", "a.stl");
+  EXPECT_EQ(load_error(ply, "a.ply"), "no error");
+  // Cut off within the faces, then within the vertices: assimp makes up the rest.
+  const std::size_t last_line = ply.rfind('\n', ply.size() - 2) + 1, body = ply.find("end_header\n") + 11;
+  EXPECT_EQ(load_error(ply.substr(0, last_line), "a.ply"), ": element face: has 7 lines, not 8");
+  EXPECT_EQ(load_error(ply.substr(0, body), "a.ply"), ": element vertex: has 0 lines, not 8");
+  const auto warnings = [](const std::string& bytes) { return load_bytes(bytes, "a.stl").warnings; };
+  EXPECT_TRUE(warnings(stl).empty());
+  EXPECT_EQ(warnings(stl.substr(0, stl.find("endfacet") + 9)),
+            std::vector<std::string>{"has no endsolid: the file may be cut off"});
+}
+
+TEST(Assimp, IndicesBeyondTheVerticesAreInputErrors) {
+  const auto ply = [](const std::string& corner) {
+    return "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n"
+           "element face 1\nproperty list uchar int vertex_indices\nend_header\n0 0 0\n1 0 0\n0 1 0\n3 0 1 " +
+           corner + "\n";
+  };
+  EXPECT_EQ(load_error(ply("2"), "a.ply"), "no error");
+  EXPECT_EQ(load_error(ply("77"), "a.ply"), ": mesh 0: face 0: vertex 77 is beyond the 3 there are");
+}
+
 TEST(Assimp, BrokenFilesAreInputErrors) {
   for (const char* name : {"a.ply", "a.stl", "a.dae", "a.fbx", "a.3ds", "a.ifc"}) {
     EXPECT_EQ(load_error("", name), ": is empty") << name;

@@ -125,7 +125,7 @@ TEST(ReadPath, ErrorsNameTheLineOrField) {
   EXPECT_EQ(path_error(R"({"views":[{"eye":[1,2,3],"target":[1,2,3]}]})"),
             "views[0]: the view direction must be finite and not zero");
   EXPECT_EQ(path_error(R"({"views":[{"eye":[1,2,3],"fov":180}]})"),
-            "views[0]: the field of view must lie between 0 and 180 degrees");
+            "views[0]: the field of view must lie between 0.006 and 179.994 degrees");
   EXPECT_EQ(path_error(R"({"views":[{"eye":[1,2,3],"look":[1,0,0],"target":[1,2,3]}]})"),
             "views[0]: has a look and a target");
   EXPECT_EQ(path_error(R"({"views":[)").substr(0, 28), "JSON line 1, column 11: synt");

@@ -260,7 +260,7 @@ TEST(GltfCameras, ArriveInWorldSpace) {
   EXPECT_TRUE(std::isinf(cameras[2].view.far));
 
   fixture.json["cameras"][0]["perspective"]["yfov"] = 4.0;
-  EXPECT_EQ(load_error(fixture.glb()), "cameras[0]: the field of view must lie between 0 and 180 degrees");
+  EXPECT_EQ(load_error(fixture.glb()), "cameras[0]: the field of view must lie between 0.006 and 179.994 degrees");
 }
 
 TEST(GltfUnused, IsSaidOnceForEachKind) {

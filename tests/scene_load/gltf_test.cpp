@@ -33,6 +33,12 @@ TEST(Gltf, NodesShareMeshesAndComposeTransforms) {
   EXPECT_TRUE(loaded.warnings.empty());
 }
 
+TEST(Gltf, NamesCommandNoTerminal) {
+  GlbFixture fixture = GlbFixture::square();
+  fixture.add_node({{"name", "a\x1b[31m\nred\0"}, {"mesh", 0}});
+  EXPECT_EQ(load_bytes(fixture.glb()).scene.name(0), "a [31m red");
+}
+
 TEST(Gltf, ObjectsAreNodeTimesPrimitiveInTraversalOrder) {
   GlbFixture fixture = GlbFixture::square();
   json primitives = fixture.json["meshes"][0]["primitives"];

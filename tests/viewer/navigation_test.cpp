@@ -86,6 +86,11 @@ TEST(Navigation, EveryCameraIsAValidView) {
     }
     for (int i = 0; i < 500; ++i) navigation.dolly(3);
     EXPECT_NO_THROW(check_view(navigation.view(10, 10)));
+    View flat = start();
+    flat.projection = Projection::orthographic;
+    Navigation zoom(flat, scene);
+    for (int i = 0; i < 500; ++i) zoom.dolly(3);
+    EXPECT_NO_THROW(check_view(zoom.view(10, 10)));
   }
 }
 

@@ -17,6 +17,8 @@ using ObjectId = std::uint32_t;
 using MeshId = std::uint32_t;
 /// Scenes and eyes reach no farther from the origin, metres: what float arithmetic on squares of coordinates stands.
 inline constexpr double largest_distance = 1e15;
+/// Near planes lie no nearer to the eye and orthographic views are no smaller, metres, for the same reason.
+inline constexpr double smallest_distance = 1e-9;
 inline constexpr ObjectId no_object = 0xFFFFFFFFu;
 
 /// Triangles over shared vertices, in the mesh's own space. Counter-clockwise seen from the front.

@@ -14,24 +14,24 @@ bool finite(const glm::dvec3& v) { return std::isfinite(v.x) && std::isfinite(v.
 }  // namespace
 
 void check_view(const View& v) {
-  constexpr double pi = 3.14159265358979323846;
+  constexpr double degree = 3.14159265358979323846 / 180.0;
   if (!finite(v.eye)) throw InputError("the eye of the view is not finite");
   if (glm::length(v.eye) > largest_distance)
     throw InputError("the eye of the view is farther than 1e15 m from the origin");
   const double norm = glm::length(v.orientation);
   if (!(std::abs(norm - 1.0) < 1e-6)) throw InputError("the orientation of the view is not a unit quaternion");
   if (v.projection == Projection::perspective) {
-    if (!(v.fov_y > 1e-4 && v.fov_y < pi - 1e-4))
-      throw InputError("the field of view must lie between 0 and 180 degrees");
+    if (!(v.fov_y > 0.006 * degree && v.fov_y < 179.994 * degree))
+      throw InputError("the field of view must lie between 0.006 and 179.994 degrees");
     if (!(v.far > v.near)) throw InputError("the far plane must lie beyond the near plane");
   } else {
-    if (!(v.span_y > 0.0 && v.span_y <= largest_distance))
-      throw InputError("the height of an orthographic view must be above 0 and at most 1e15 m");
+    if (!(v.span_y >= smallest_distance && v.span_y <= largest_distance))
+      throw InputError("the height of an orthographic view must be 1e-9 to 1e15 m");
     if (!(v.far > v.near && std::isfinite(v.far)))
       throw InputError("the far plane of an orthographic view must be finite and beyond the near plane");
   }
-  if (!(v.near > 0.0 && v.near <= largest_distance))
-    throw InputError("the near plane must lie at a distance above 0 and at most 1e15 m");
+  if (!(v.near >= smallest_distance && v.near <= largest_distance))
+    throw InputError("the near plane must lie at a distance of 1e-9 to 1e15 m");
   if (v.width < 1 || v.height < 1 || v.width > 16384 || v.height > 16384)
     throw InputError("the viewport must be 1 to 16384 pixels wide and high");
 }

@@ -17,15 +17,15 @@ struct View {
   glm::dvec3 eye{0.0};                         // world space, metres; best a float, as the oracle's rays start at one
   glm::dquat orientation{1.0, 0.0, 0.0, 0.0};  // unit; turns view space into world space
   Projection projection = Projection::perspective;
-  double fov_y = 1.0471975511965976;  // perspective: full vertical angle, radians, in (0, pi)
-  double span_y = 10.0;               // orthographic: height of the image in metres, > 0
-  double near = 0.1;                  // distance of the near plane, metres, > 0
+  double fov_y = 1.0471975511965976;  // perspective: full vertical angle, radians, 0.006 to 179.994 degrees
+  double span_y = 10.0;               // orthographic: height of the image in metres, smallest_distance or more
+  double near = 0.1;                  // distance of the near plane, metres, smallest_distance or more
   double far = 1000.0;                // distance of the far plane, metres, > near; may be infinite for perspective
   int width = 1280, height = 720;     // viewport in pixels, 1 to 16384
 };
 
-/// Throws InputError with the reason if a field is not finite or out of its range, or a distance above
-/// largest_distance.
+/// Throws InputError with the reason if a field is not finite or out of its range, or a distance below
+/// smallest_distance or above largest_distance.
 void check_view(const View& view);
 
 /// View at `eye`, rounded to float as all geometry is, that looks along `direction` (any length > 0); `up` need not be

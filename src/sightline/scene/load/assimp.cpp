@@ -7,12 +7,15 @@
 #include <assimp/postprocess.h>
 #include <assimp/scene.h>
 
+#include <algorithm>
 #include <array>
 #include <assimp/Importer.hpp>
 #include <cstdlib>
 #include <cstring>
+#include <new>
 #include <optional>
 #include <span>
+#include <sstream>
 #include <stdexcept>
 #include <string>
 #include <string_view>
@@ -224,24 +227,83 @@ class AssimpReader {
   std::size_t left_out_ = 0;
 };
 
+/// Before any step that follows the indices: assimp takes those of a PLY as they come.
+void check_indices(const aiScene& scene) {
+  for (unsigned int m = 0; m < scene.mNumMeshes; ++m) {
+    const aiMesh& mesh = *scene.mMeshes[m];
+    for (unsigned int f = 0; f < mesh.mNumFaces; ++f) {
+      const aiFace& face = mesh.mFaces[f];
+      for (unsigned int i = 0; i < face.mNumIndices; ++i)
+        if (face.mIndices[i] >= mesh.mNumVertices)
+          throw std::runtime_error("mesh " + std::to_string(m) + ": face " + std::to_string(f) + ": vertex " +
+                                   std::to_string(face.mIndices[i]) + " is beyond the " +
+                                   std::to_string(mesh.mNumVertices) + " there are");
+    }
+  }
+}
+
 void import(const std::filesystem::path& file, ByteSink& sink) {
   Assimp::Importer importer;
   importer.SetPropertyInteger(AI_CONFIG_PP_RVC_FLAGS, surface_data);
-  const aiScene* scene = importer.ReadFile(file.string(), steps);
-  if (scene == nullptr) throw std::runtime_error(one_line(importer.GetErrorString()));
+  const aiScene* scene = importer.ReadFile(file.string(), 0);
+  if (scene != nullptr) {
+    check_indices(*scene);
+    scene = importer.ApplyPostProcessing(steps);
+  }
+  if (scene == nullptr) {
+    const std::string error = one_line(importer.GetErrorString());
+    if (error == std::bad_alloc().what()) throw std::bad_alloc();
+    throw std::runtime_error(error.empty() ? "has no meshes" : error);
+  }
   if (scene->mRootNode == nullptr || (scene->mFlags & AI_SCENE_FLAGS_INCOMPLETE) != 0) {
     throw std::runtime_error("has no meshes");
   }
   AssimpReader(*scene, sink).read();
 }
 
-/// Assimp looks for the end of a PLY header for ever.
-void check_ply_header(const std::filesystem::path& file) {
+std::string_view text_of(const Bytes& bytes) { return {reinterpret_cast<const char*>(bytes.data()), bytes.size()}; }
+
+/// Takes the next line that is not empty off the front of `rest`; empty if there is none.
+std::string_view next_line(std::string_view& rest) {
+  rest.remove_prefix(std::min(rest.find_first_not_of("\r\n"), rest.size()));
+  const std::string_view line = rest.substr(0, rest.find_first_of("\r\n"));
+  rest.remove_prefix(line.size());
+  return line;
+}
+
+/// Assimp looks for the end of a PLY header for ever, and makes up what a text has no lines for.
+void check_ply(const std::filesystem::path& file) {
   constexpr std::uint64_t longest_header = 1 << 20;
+  constexpr std::string_view end = "end_header";
   const Bytes start = read_file(file, longest_header);
-  const std::string_view text(reinterpret_cast<const char*>(start.data()), start.size());
-  if (text.starts_with("ply") && text.find("end_header") == std::string_view::npos)
-    throw InputError(file.string(), "", "the header of the PLY has no end");
+  std::string_view header = text_of(start);
+  if (!header.starts_with("ply")) return;
+  const std::size_t length = header.find(end);
+  if (length == std::string_view::npos) throw InputError(file.string(), "", "the header of the PLY has no end");
+  header = header.substr(0, length);
+  if (header.find("\nformat ascii") == std::string_view::npos) return;
+  const Bytes whole = read_file(file);
+  std::string_view body = text_of(whole).substr(length + end.size());
+  while (!header.empty()) {
+    std::istringstream words{std::string(next_line(header))};
+    std::string keyword, name;
+    std::uint64_t count = 0;
+    if (!(words >> keyword >> name >> count) || keyword != "element") continue;
+    for (std::uint64_t i = 0; i < count; ++i)
+      if (next_line(body).empty())
+        throw InputError(file.string(), "",
+                         "element " + name + ": has " + std::to_string(i) + " lines, not " + std::to_string(count));
+  }
+}
+
+/// True for a text that ends before its solid does; assimp keeps the facets so far.
+bool is_cut_off_stl(const std::filesystem::path& file) {
+  constexpr std::string_view begin = "solid";
+  constexpr std::size_t binary_header = 84, facet = 50;
+  if (text_of(read_file(file, begin.size())) != begin) return false;
+  const Bytes bytes = read_file(file);
+  const bool binary = bytes.size() >= binary_header && (bytes.size() - binary_header) % facet == 0;
+  return !binary && text_of(bytes).rfind("endsolid") == std::string_view::npos;
 }
 
 LoadedScene assemble(Reader reader) {
@@ -272,10 +334,12 @@ LoadedScene assemble(Reader reader) {
 
 LoadedScene read_with_assimp(const std::filesystem::path& file) {
   if (read_file(file, 1).empty()) throw InputError(file.string(), "", "is empty");
-  check_ply_header(file);
+  check_ply(file);
   const Bytes bytes = run_in_child(file, [&](ByteSink& sink) { import(file, sink); });
   try {
-    return assemble(Reader(bytes));
+    LoadedScene loaded = assemble(Reader(bytes));
+    if (is_cut_off_stl(file)) loaded.warnings.emplace_back("has no endsolid: the file may be cut off");
+    return loaded;
   } catch (const InputError& error) {
     throw InputError(file.string(), error.position(), error.reason());
   }

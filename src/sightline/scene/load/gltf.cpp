@@ -131,8 +131,8 @@ class GltfReader {
     const auto number = node.reference("camera", document_.count("cameras"));
     if (!number) return;
     const JsonObject camera = document_.item("cameras", *number);
-    std::string name = node.text("name");
-    if (name.empty()) name = camera.text("name");
+    std::string name = one_line(node.text("name"));
+    if (name.empty()) name = one_line(camera.text("name"));
     if (name.empty()) name = "node " + std::to_string(index);
     cameras_.push_back({name, camera_view(camera, world)});
     camera_nodes_.push_back(index);
@@ -174,8 +174,8 @@ class GltfReader {
   }
 
   std::string object_name(const JsonObject& node, std::size_t index, std::size_t mesh) const {
-    if (const std::string& name = node.text("name"); !name.empty()) return name;
-    if (const std::string& name = document_.item("meshes", mesh).text("name"); !name.empty()) return name;
+    if (const std::string name = one_line(node.text("name")); !name.empty()) return name;
+    if (const std::string name = one_line(document_.item("meshes", mesh).text("name")); !name.empty()) return name;
     return "node " + std::to_string(index);
   }
 
