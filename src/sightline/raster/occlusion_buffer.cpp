@@ -30,11 +30,16 @@ const float* floats(const Aabb* boxes) { return &boxes->lo.x; }
 struct Slot {
   DrawList list;
   raster::Scratch scratch;
+  const OccluderInstance* occluder = nullptr;
+  bool drawn = false;
 };
 
+/// An occluder that is not drawn yet: the rectangle around its box and a nearness that it does not exceed, infinite if
+/// it may lie before the near plane.
 struct Waiting {
-  double distance;
+  float near;
   std::uint32_t index;
+  int x0, y0, x1, y1;
 };
 
 /// A surface of a round: runs [first, last) of a slot's list.
@@ -54,8 +59,6 @@ struct OcclusionBuffer::State {
   std::vector<Slot> slots{1};
   std::vector<raster::Band> bands{1};
   std::vector<Waiting> waiting;
-  std::vector<MeshView> views;
-  std::vector<const OccluderMesh*> meshes;
   std::vector<Surface> surfaces;
   RawOccluder raw;
 
@@ -121,16 +124,16 @@ struct OcclusionBuffer::State {
     slot.list.clear();
     kernels->prepare(mesh, mesh_view, tiles, slot.scratch, slot.list);
     count(mesh, slot.list);
-    bands[0].first_row = 0;
-    bands[0].last_row = tiles.down - 1;
+    bands[0].index = 0;
+    bands[0].count = 1;
     kernels->draw(slot.list, 0, slot.list.runs.size(), tiles, bands[0]);
     collect(bands[0]);
   }
 
   /// Orders the surfaces of the round's occluders, the near ones first: they spare the work for the others.
-  void order_surfaces() {
+  void order_surfaces(std::size_t used) {
     surfaces.clear();
-    for (std::uint32_t s = 0; s < views.size(); ++s) {
+    for (std::uint32_t s = 0; s < used; ++s) {
       const auto& runs = slots[s].list.runs;
       std::uint32_t first = 0;
       for (std::uint32_t r = 0; r < runs.size(); ++r) {
@@ -156,17 +159,25 @@ struct OcclusionBuffer::State {
     band.counts = {};
   }
 
-  /// Orders `waiting` and leaves out what lies outside of the image.
+  /// Fills `waiting` with what may lie in the image, the near ones first.
   void order(std::span<const OccluderInstance> occluders) {
     waiting.clear();
-    for (std::uint32_t i = 0; i < occluders.size(); ++i) {
-      const OccluderMesh& mesh = *occluders[i].mesh;
-      if (mesh.triangle_count == 0) continue;
-      const raster::Footprint f = view.footprint(world_bounds(mesh, occluders[i].transform));
-      if (!view.outside_image(f)) waiting.push_back({f.nearest, i});
+    std::array<Aabb, Rectangles::capacity> boxes;
+    Rectangles r;
+    for (std::size_t first = 0; first < occluders.size(); first += boxes.size()) {
+      const std::size_t here = std::min(boxes.size(), occluders.size() - first);
+      for (std::size_t i = 0; i < here; ++i) {
+        const OccluderInstance& occluder = occluders[first + i];
+        boxes[i] = occluder.mesh->triangle_count > 0 ? world_bounds(*occluder.mesh, occluder.transform) : Aabb();
+      }
+      kernels->project_boxes(query, floats(boxes.data()), here, r);
+      for (std::size_t i = 0; i < here; ++i)
+        if (r.verdict[i] != raster::Verdict::hidden)
+          waiting.push_back({r.verdict[i] == raster::Verdict::seen ? std::numeric_limits<float>::infinity() : r.near[i],
+                             static_cast<std::uint32_t>(first + i), r.x0[i], r.y0[i], r.x1[i], r.y1[i]});
     }
     std::sort(waiting.begin(), waiting.end(), [](const Waiting& a, const Waiting& b) {
-      return a.distance != b.distance ? a.distance < b.distance : a.index < b.index;
+      return a.near != b.near ? a.near > b.near : a.index < b.index;
     });
   }
 
@@ -179,40 +190,40 @@ struct OcclusionBuffer::State {
   /// Draws the waiting ones from `at` on until a round is full: prepared side by side, drawn by bands of rows.
   std::size_t draw_round(std::span<const OccluderInstance> occluders, std::size_t at, std::uint32_t most_triangles) {
     std::uint32_t triangles = 0;
-    views.clear();
-    meshes.clear();
+    std::size_t used = 0;
     for (; at < waiting.size() && triangles < most_triangles; ++at) {
-      const OccluderInstance& occluder = occluders[waiting[at].index];
-      if (!seen(world_bounds(*occluder.mesh, occluder.transform), false)) continue;
-      const auto mesh_view = view.mesh_view(*occluder.mesh, occluder.transform);
-      if (!mesh_view) continue;
-      views.push_back(*mesh_view);
-      meshes.push_back(occluder.mesh);
-      triangles += occluder.mesh->triangle_count;
+      const Waiting& w = waiting[at];
+      if (std::isfinite(w.near) && kernels->hides(tiles, w.x0, w.y0, w.x1, w.y1, w.near)) continue;
+      if (slots.size() == used) slots.emplace_back();
+      slots[used++].occluder = &occluders[w.index];
+      triangles += occluders[w.index].mesh->triangle_count;
     }
-    if (slots.size() < views.size()) slots.resize(views.size());
     // By reference, so that the std::function allocates nothing.
     const auto prepare = [&](std::size_t begin, std::size_t end) {
       for (std::size_t i = begin; i < end; ++i) {
-        slots[i].list.clear();
-        kernels->prepare(*meshes[i], views[i], tiles, slots[i].scratch, slots[i].list);
+        Slot& slot = slots[i];
+        const OccluderMesh& mesh = *slot.occluder->mesh;
+        const auto mesh_view = view.mesh_view(mesh, slot.occluder->transform);
+        slot.list.clear();
+        slot.drawn = mesh_view.has_value();
+        if (slot.drawn) kernels->prepare(mesh, *mesh_view, tiles, slot.scratch, slot.list);
       }
     };
-    parallel_blocks(views.size(), 1, std::ref(prepare));
-    for (std::size_t i = 0; i < views.size(); ++i) count(*meshes[i], slots[i].list);
-    order_surfaces();
-    const auto rows = static_cast<std::size_t>(tiles.down), threads = static_cast<std::size_t>(thread_count());
-    const std::size_t band_rows = threads > 1 ? std::max<std::size_t>(4, rows / (2 * threads)) : rows;
-    const std::size_t band_count = (rows + band_rows - 1) / band_rows;
+    parallel_blocks(used, 1, std::ref(prepare));
+    for (std::size_t i = 0; i < used; ++i)
+      if (slots[i].drawn) count(*slots[i].occluder->mesh, slots[i].list);
+    order_surfaces(used);
+    const auto band_count = static_cast<std::size_t>(thread_count());
     if (bands.size() < band_count) bands.resize(band_count);
     const auto draw_band = [&](std::size_t begin, std::size_t end) {
-      raster::Band& band = bands[begin / band_rows];
-      band.first_row = static_cast<int>(begin);
-      band.last_row = static_cast<int>(end) - 1;
-      for (const Surface& surface : surfaces)
-        kernels->draw(slots[surface.slot].list, surface.first, surface.last, tiles, band);
+      for (std::size_t i = begin; i < end; ++i) {
+        bands[i].index = static_cast<std::uint32_t>(i);
+        bands[i].count = static_cast<std::uint32_t>(band_count);
+        for (const Surface& surface : surfaces)
+          kernels->draw(slots[surface.slot].list, surface.first, surface.last, tiles, bands[i]);
+      }
     };
-    parallel_blocks(rows, band_rows, std::ref(draw_band));
+    parallel_blocks(band_count, 1, std::ref(draw_band));
     for (std::size_t i = 0; i < band_count; ++i) collect(bands[i]);
     return at;
   }

@@ -20,13 +20,18 @@ inline constexpr int tile_pixels = tile_size * tile_size;  // lane l of a tile i
 /// -distance for orthographic ones (distance along the view direction, metres).
 inline constexpr float nothing_near = -std::numeric_limits<float>::infinity();
 
+/// A cache line, so that vectors lie in one.
+struct alignas(64) TilePixels {
+  float lane[tile_pixels];
+};
+
 /// The buffer: what is hidden so far, and the layer in which the current surface gathers the pixels that several of
 /// its triangles share. Between surfaces the layer, `covered`, `contour` and `listed` are empty.
 struct Tiles {
-  int width = 0, height = 0;  // pixels
-  int across = 0, down = 0;   // tiles
-  std::vector<float> hidden;  // per pixel: everything of lesser nearness is hidden in the whole pixel square
-  std::vector<float> layer;   // per pixel: least nearness of the triangles of this surface that touch it; else +inf
+  int width = 0, height = 0;       // pixels
+  int across = 0, down = 0;        // tiles
+  std::vector<TilePixels> hidden;  // everything of lesser nearness is hidden in the whole pixel square
+  std::vector<TilePixels> layer;   // least nearness of the triangles of this surface that touch the pixel; else +inf
   std::vector<std::uint16_t> covered;  // per tile, bit per lane: the centre is covered by one of those triangles
   std::vector<std::uint16_t> contour;  // per tile, bit per lane: a contour edge of this surface touches the pixel
   std::vector<std::uint8_t> listed;    // per tile: is in the band's `touched`
@@ -37,7 +42,7 @@ struct Tiles {
   /// `hidden` of a pixel.
   [[nodiscard]] float at(int x, int y) const {
     const int tile = y / tile_size * across + x / tile_size, lane = y % tile_size * tile_size + x % tile_size;
-    return hidden[static_cast<std::size_t>(tile) * tile_pixels + static_cast<std::size_t>(lane)];
+    return hidden[static_cast<std::size_t>(tile)].lane[lane];
   }
 };
 
@@ -100,17 +105,25 @@ struct FillCounts {
   std::uint64_t tiles = 0;
 };
 
-/// A range of rows of tiles that one thread draws.
+/// The rows of tiles that one thread draws: every `count`th pair of them, so that a crowded horizon is shared out.
 struct Band {
-  int first_row = 0, last_row = 0;     // inclusive
+  std::uint32_t index = 0, count = 1;
   std::vector<std::uint32_t> touched;  // tiles to commit after this surface
   FillCounts counts;
+
+  [[nodiscard]] bool owns(int row) const { return count == 1 || static_cast<std::uint32_t>(row) / 2 % count == index; }
+  /// One of the rows first .. last.
+  [[nodiscard]] bool owns_any(int first, int last) const {
+    for (; first <= last; ++first)
+      if (owns(first)) return true;
+    return false;
+  }
 };
 
 /// Room for one occluder's projected vertices, facing and lists; grows, is reused.
 struct Scratch {
-  std::vector<float> x, y, near, w, valid, facing;
-  std::vector<std::int32_t> front, back, edges, clipped;
+  std::vector<float> x, y, near, facing;
+  std::vector<std::int32_t> code, front, back, edges, clipped;
 };
 
 /// World space to pixels for queries, with what is needed to bound the error of the floats.
@@ -151,7 +164,7 @@ struct Kernels {
   const char* target;
   /// Appends what a mesh draws.
   void (*prepare)(const OccluderMesh&, const MeshView&, const Tiles&, Scratch&, DrawList&);
-  /// Draws runs [first, last), whole surfaces, within the band's rows.
+  /// Draws runs [first, last), whole surfaces, in the band's rows.
   void (*draw)(const DrawList&, std::size_t first, std::size_t last, Tiles&, Band&);
   /// True if every pixel of [x0, x1) x [y0, y1) hides what is of nearness `near`. The rectangle lies within the image.
   bool (*hides)(const Tiles&, int x0, int y0, int x1, int y1, float near);

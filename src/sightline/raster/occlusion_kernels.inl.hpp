@@ -116,12 +116,14 @@ class TriangleFill {
   HWY_INLINE void rows(TileRange columns, TileRange rows) {
     if (columns.last - columns.first <= 2) {
       for (int row = rows.first; row <= rows.last; ++row)
-        for (int column = columns.first; column <= columns.last; ++column) any_tile(row, column);
+        if (band_.owns(row))
+          for (int column = columns.first; column <= columns.last; ++column) any_tile(row, column);
       return;
     }
     const Crossing crossings[3] = {Crossing(edges_[0]), Crossing(edges_[1]), Crossing(edges_[2])};
     const auto width = static_cast<float>(tiles_.width);
     for (int row = rows.first; row <= rows.last; ++row) {
+      if (!band_.owns(row)) continue;
       const float y = static_cast<float>(row * tile_size) + 0.5f;
       RowCut cut{0.0f, width - 1.0f, 0.0f, width};
       for (int i = 0; i < 3; ++i) cut.add(edges_[i], crossings[i], y, y + static_cast<float>(tile_size - 1));
@@ -163,10 +165,10 @@ class TriangleFill {
     ++band_.counts.tiles;
     const Float d;
     const auto near = hn::Set(d, near0), least = hn::Set(d, least_);
-    float* hidden = tiles_.hidden.data() + tile * tile_pixels;
+    float* hidden = tiles_.hidden[tile].lane;
     for (std::size_t l = 0; l < tile_pixels; l += float_lanes()) {
       const auto here = hn::Max(hn::Add(near, hn::Load(d, near_step_ + l)), least);
-      hn::StoreU(hn::Max(hn::LoadU(d, hidden + l), here), d, hidden + l);
+      hn::Store(hn::Max(hn::Load(d, hidden + l), here), d, hidden + l);
     }
     farthest = std::max(farthest, std::max(near0 + least_step_, least_));
   }
@@ -179,15 +181,14 @@ class TriangleFill {
     const float near0 = near_at(x, y);
     const auto at0 = hn::Set(d, at(edges_[0], x, y)), at1 = hn::Set(d, at(edges_[1], x, y)),
                at2 = hn::Set(d, at(edges_[2], x, y));
-    const auto inside_of = [&](std::size_t l) SIGHTLINE_INLINE_LAMBDA {
-      return min3(hn::Add(at0, hn::Load(d, edge_step_[0] + l)), hn::Add(at1, hn::Load(d, edge_step_[1] + l)),
-                  hn::Add(at2, hn::Load(d, edge_step_[2] + l)));
-    };
-    // Least and most of all lanes: no branch per vector, of which the machine foresees too few.
-    auto least_inside = inside_of(0), most_inside = least_inside;
-    for (std::size_t l = float_lanes(); l < tile_pixels; l += float_lanes()) {
-      least_inside = hn::Min(least_inside, inside_of(l));
-      most_inside = hn::Max(most_inside, inside_of(l));
+    HWY_ALIGN float inside[tile_pixels];  // of all edges, least
+    auto least_inside = hn::Set(d, std::numeric_limits<float>::infinity()), most_inside = hn::Neg(least_inside);
+    for (std::size_t l = 0; l < tile_pixels; l += float_lanes()) {
+      const auto here = min3(hn::Add(at0, hn::Load(d, edge_step_[0] + l)), hn::Add(at1, hn::Load(d, edge_step_[1] + l)),
+                             hn::Add(at2, hn::Load(d, edge_step_[2] + l)));
+      hn::Store(here, d, inside + l);
+      least_inside = hn::Min(least_inside, here);
+      most_inside = hn::Max(most_inside, here);
     }
     const auto all_inside = hn::Set(d, 1.0f), outside = hn::Set(d, -1.0f);
     if (hn::AllFalse(d, hn::Ge(most_inside, outside))) return;
@@ -197,11 +198,11 @@ class TriangleFill {
       return hn::Max(hn::Add(near_here, hn::Load(d, near_step_ + l)), least);
     };
     if (!hn::AllFalse(d, hn::Ge(most_inside, all_inside))) {  // some pixels are covered wholly
-      float* hidden = tiles_.hidden.data() + tile * tile_pixels;
+      float* hidden = tiles_.hidden[tile].lane;
       for (std::size_t l = 0; l < tile_pixels; l += float_lanes()) {
-        const auto old = hn::LoadU(d, hidden + l);
-        const auto whole = hn::Ge(inside_of(l), all_inside);
-        hn::StoreU(hn::IfThenElse(whole, hn::Max(old, near_of(l)), old), d, hidden + l);
+        const auto old = hn::Load(d, hidden + l);
+        const auto whole = hn::Ge(hn::Load(d, inside + l), all_inside);
+        hn::Store(hn::IfThenElse(whole, hn::Max(old, near_of(l)), old), d, hidden + l);
       }
       if (hn::AllTrue(d, hn::Ge(least_inside, all_inside))) {
         tiles_.farthest[tile] = std::max(tiles_.farthest[tile], std::max(near0 + least_step_, least_));
@@ -209,20 +210,20 @@ class TriangleFill {
       }
     }
     // Pixels that this triangle covers in part.
-    float* layer = tiles_.layer.data() + tile * tile_pixels;
+    float* layer = tiles_.layer[tile].lane;
     std::uint32_t covered = 0;
     const auto limit = [&](float value) SIGHTLINE_INLINE_LAMBDA { return hn::Set(d, value); };
     const auto left = limit(box_low_x_ - x), right = limit(box_high_x_ - x), top = limit(box_low_y_ - y),
                bottom = limit(box_high_y_ - y);
     for (std::size_t l = 0; l < tile_pixels; l += float_lanes()) {
-      const auto inside = inside_of(l);
-      const auto shared = hn::AndNot(hn::Ge(inside, all_inside), hn::Ge(inside, outside));
-      const auto gathered = hn::LoadU(d, layer + l);
-      hn::StoreU(hn::IfThenElse(shared, hn::Min(gathered, near_of(l)), gathered), d, layer + l);
+      const auto here = hn::Load(d, inside + l);
+      const auto shared = hn::AndNot(hn::Ge(here, all_inside), hn::Ge(here, outside));
+      const auto gathered = hn::Load(d, layer + l);
+      hn::Store(hn::IfThenElse(shared, hn::Min(gathered, near_of(l)), gathered), d, layer + l);
       const auto px = hn::Load(d, lane_x + l), py = hn::Load(d, lane_y + l);
       const auto in_box =
           hn::And(hn::And(hn::Ge(px, left), hn::Le(px, right)), hn::And(hn::Ge(py, top), hn::Le(py, bottom)));
-      const auto centre = hn::And(hn::And(shared, hn::Ge(inside, hn::Set(d, -edge_slack))), in_box);
+      const auto centre = hn::And(hn::And(shared, hn::Ge(here, hn::Set(d, -edge_slack))), in_box);
       covered |= bits_of(d, centre) << l;
     }
     tiles_.covered[tile] = static_cast<std::uint16_t>(tiles_.covered[tile] | covered);
@@ -248,9 +249,8 @@ HWY_INLINE void mark(const DrawList& list, std::size_t e, const Run& run, Tiles&
   const float low_x = std::min(px, qx) - margin, high_x = std::max(px, qx) + margin;
   const float low_y = std::min(py, qy) - margin, high_y = std::max(py, qy) + margin;
   const TileRange columns = tile_range(low_x, high_x, tiles.width);
-  TileRange rows = tile_range(low_y, high_y, tiles.height);
-  rows = {std::max(rows.first, band.first_row), std::min(rows.last, band.last_row)};
-  if (columns.first > columns.last || rows.first > rows.last) return;
+  const TileRange rows = tile_range(low_y, high_y, tiles.height);
+  if (columns.first > columns.last || !band.owns_any(rows.first, rows.last)) return;
   const float a = py - qy, b = qx - px, length = std::abs(a) + std::abs(b);
   const float scale =
       length > 1e-20f ? 1.0f / (length * (run.margins.square + margin)) : 0.0f;  // a point: its box decides
@@ -258,6 +258,7 @@ HWY_INLINE void mark(const DrawList& list, std::size_t e, const Run& run, Tiles&
   const Crossing crossing(side), other_crossing(other);
   const bool cut = columns.last - columns.first > 2;
   for (int row = rows.first; row <= rows.last; ++row) {
+    if (!band.owns(row)) continue;
     const float y = static_cast<float>(row * tile_size) + 0.5f;
     TileRange range = columns;
     if (cut) {
@@ -298,14 +299,14 @@ HWY_INLINE void commit(Tiles& tiles, Band& band) {
     const auto proven = static_cast<std::uint32_t>(tiles.covered[tile] & ~tiles.contour[tile]);
     auto farthest = empty;
     for (std::size_t l = 0; l < tile_pixels; l += float_lanes()) {
-      float* layer = tiles.layer.data() + tile * tile_pixels + l;
-      float* hidden = tiles.hidden.data() + tile * tile_pixels + l;
+      float* layer = tiles.layer[tile].lane + l;
+      float* hidden = tiles.hidden[tile].lane + l;
       std::uint8_t bytes[8] = {static_cast<std::uint8_t>(proven >> l), static_cast<std::uint8_t>(proven >> l >> 8)};
       const auto mask = hn::LoadMaskBits(d, bytes);
-      auto now = hn::LoadU(d, hidden);
-      now = hn::IfThenElse(mask, hn::Max(now, hn::LoadU(d, layer)), now);
-      hn::StoreU(now, d, hidden);
-      hn::StoreU(empty, d, layer);
+      auto now = hn::Load(d, hidden);
+      now = hn::IfThenElse(mask, hn::Max(now, hn::Load(d, layer)), now);
+      hn::Store(now, d, hidden);
+      hn::Store(empty, d, layer);
       farthest = hn::Min(farthest, now);
     }
     tiles.farthest[tile] = hn::GetLane(hn::MinOfLanes(d, farthest));
@@ -315,11 +316,12 @@ HWY_INLINE void commit(Tiles& tiles, Band& band) {
   band.touched.clear();
 }
 
-/// True if every tile of the ranges hides what is of nearness `near`.
-HWY_INLINE bool hides_tiles(const Tiles& tiles, TileRange columns, TileRange rows, float near) {
+/// True if every tile of the ranges that is the band's hides what is of nearness `near`.
+HWY_INLINE bool hides_tiles(const Tiles& tiles, const Band& band, TileRange columns, TileRange rows, float near) {
   const Float d;
   const auto limit = hn::Set(d, near);
   for (int row = rows.first; row <= rows.last; ++row) {
+    if (!band.owns(row)) continue;
     const float* farthest =
         tiles.farthest.data() + static_cast<std::size_t>(row) * static_cast<std::size_t>(tiles.across);
     const auto last = static_cast<std::size_t>(columns.last) + 1;
@@ -337,13 +339,12 @@ HWY_INLINE void draw_run(const DrawList& list, const Run& run, Tiles& tiles, Ban
   for (std::size_t first = run.first_triangle; first < run.last_triangle; first += tile_pixels) {
     const std::size_t count = std::min<std::size_t>(tile_pixels, run.last_triangle - first);
     setups.valid = 0;
-    for (std::size_t l = 0; l < count; l += float_lanes()) set_up(list, first, run.margins, tiles, band, l, setups);
+    for (std::size_t l = 0; l < count; l += float_lanes()) set_up(list, first, run.margins, tiles, l, setups);
     std::uint32_t valid = setups.valid & (0xFFFFu >> (tile_pixels - count));
     for (std::size_t t = 0; valid != 0; ++t, valid >>= 1) {
-      if ((valid & 1u) == 0) continue;
+      if ((valid & 1u) == 0 || !band.owns_any(setups.first_row[t], setups.last_row[t])) continue;
       TriangleFill(setups, t, run, tiles, band)
-          .rows({setups.first_column[t], setups.last_column[t]},
-                {std::max(setups.first_row[t], band.first_row), std::min(setups.last_row[t], band.last_row)});
+          .rows({setups.first_column[t], setups.last_column[t]}, {setups.first_row[t], setups.last_row[t]});
     }
   }
   for (std::size_t e = run.first_edge; e < run.last_edge; ++e) mark(list, e, run, tiles, band);
@@ -352,9 +353,8 @@ HWY_INLINE void draw_run(const DrawList& list, const Run& run, Tiles& tiles, Ban
 inline void draw(const DrawList& list, std::size_t first, std::size_t last, Tiles& tiles, Band& band) {
   for (std::size_t r = first; r < last; ++r) {
     const Run& run = list.runs[r];
-    const TileRange rows{std::max(run.first_row, band.first_row), std::min(run.last_row, band.last_row)};
     // What was drawn since it was prepared may hide it by now; a surface with clipped parts is near without bound.
-    if (rows.first <= rows.last && !hides_tiles(tiles, {run.first_column, run.last_column}, rows, run.nearest))
+    if (!hides_tiles(tiles, band, {run.first_column, run.last_column}, {run.first_row, run.last_row}, run.nearest))
       draw_run(list, run, tiles, band);
     if (run.last && !band.touched.empty()) commit(tiles, band);
   }
