@@ -5,6 +5,7 @@
 #include <cassert>
 #include <cmath>
 #include <functional>
+#include <numeric>
 
 #include "sightline/parallel/parallel.hpp"
 #include "sightline/raster/occlusion_hull.hpp"
@@ -14,10 +15,10 @@
 
 namespace sightline {
 
-using raster::DrawList;
 using raster::Kernels;
 using raster::MeshView;
 using raster::Rectangles;
+using raster::Strip;
 using raster::ViewTransform;
 
 namespace {
@@ -26,26 +27,12 @@ static_assert(sizeof(Aabb) == 6 * sizeof(float), "boxes are read as six floats")
 
 const float* floats(const Aabb* boxes) { return &boxes->lo.x; }
 
-/// An occluder of a round of add_occluders, with room that is kept.
-struct Slot {
-  DrawList list;
-  raster::Scratch scratch;
-  const OccluderInstance* occluder = nullptr;
-  bool drawn = false;
-};
-
-/// An occluder that is not drawn yet: the rectangle around its box and a nearness that it does not exceed, infinite if
-/// it may lie before the near plane.
+/// An occluder to be drawn: the rectangle around its box and a nearness that it does not exceed, infinite if it may lie
+/// before the near plane.
 struct Waiting {
   float near;
   std::uint32_t index;
   int x0, y0, x1, y1;
-};
-
-/// A surface of a round: runs [first, last) of a slot's list.
-struct Surface {
-  float nearest;
-  std::uint32_t slot, first, last;
 };
 
 }  // namespace
@@ -56,10 +43,11 @@ struct OcclusionBuffer::State {
   ViewTransform view;
   raster::QueryView query{};
   OcclusionCounts counts;
-  std::vector<Slot> slots{1};
-  std::vector<raster::Band> bands{1};
+  std::vector<Strip> strips{1};
+  std::size_t used_strips = 0;
   std::vector<Waiting> waiting;
-  std::vector<Surface> surfaces;
+  std::vector<double> load;         // per column of tiles: work for the waiting ones
+  std::vector<std::uint8_t> drawn;  // by strip and place in `waiting`
   RawOccluder raw;
 
   [[nodiscard]] bool hidden_rectangle(const Rectangles& r, std::size_t i) const {
@@ -119,44 +107,13 @@ struct OcclusionBuffer::State {
     return !hidden_rectangle(r, 0);
   }
 
-  void draw(const OccluderMesh& mesh, const MeshView& mesh_view) {
-    Slot& slot = slots[0];
-    slot.list.clear();
-    kernels->prepare(mesh, mesh_view, tiles, slot.scratch, slot.list);
-    count(mesh, slot.list);
-    bands[0].index = 0;
-    bands[0].count = 1;
-    kernels->draw(slot.list, 0, slot.list.runs.size(), tiles, bands[0]);
-    collect(bands[0]);
-  }
-
-  /// Orders the surfaces of the round's occluders, the near ones first: they spare the work for the others.
-  void order_surfaces(std::size_t used) {
-    surfaces.clear();
-    for (std::uint32_t s = 0; s < used; ++s) {
-      const auto& runs = slots[s].list.runs;
-      std::uint32_t first = 0;
-      for (std::uint32_t r = 0; r < runs.size(); ++r) {
-        if (!runs[r].last) continue;
-        surfaces.push_back({runs[r].nearest, s, first, r + 1});
-        first = r + 1;
-      }
-    }
-    std::sort(surfaces.begin(), surfaces.end(), [](const Surface& a, const Surface& b) {
-      if (a.nearest != b.nearest) return a.nearest > b.nearest;
-      return a.slot != b.slot ? a.slot < b.slot : a.first < b.first;
-    });
-  }
-
-  void count(const OccluderMesh& mesh, const DrawList& list) {
+  void count(const OccluderMesh& mesh) {
     ++counts.occluders;
     counts.occluder_triangles += mesh.triangle_count;
-    counts.triangles_filled += list.triangles;
-    counts.contour_edges += list.edges;
   }
-  void collect(raster::Band& band) {
-    counts.tiles_filled += band.counts.tiles;
-    band.counts = {};
+  void collect(const Strip& strip) {
+    counts.triangles_filled += strip.triangles_filled;
+    counts.tiles_filled += strip.tiles_filled;
   }
 
   /// Fills `waiting` with what may lie in the image, the near ones first.
@@ -172,9 +129,10 @@ struct OcclusionBuffer::State {
       }
       kernels->project_boxes(query, floats(boxes.data()), here, r);
       for (std::size_t i = 0; i < here; ++i)
-        if (r.verdict[i] != raster::Verdict::hidden)
-          waiting.push_back({r.verdict[i] == raster::Verdict::seen ? std::numeric_limits<float>::infinity() : r.near[i],
-                             static_cast<std::uint32_t>(first + i), r.x0[i], r.y0[i], r.x1[i], r.y1[i]});
+        if (const auto at = static_cast<std::uint32_t>(first + i); r.verdict[i] == raster::Verdict::ask)
+          waiting.push_back({r.near[i], at, r.x0[i], r.y0[i], r.x1[i], r.y1[i]});
+        else if (r.verdict[i] == raster::Verdict::seen)
+          waiting.push_back({std::numeric_limits<float>::infinity(), at, 0, 0, tiles.width, tiles.height});
     }
     std::sort(waiting.begin(), waiting.end(), [](const Waiting& a, const Waiting& b) {
       return a.near != b.near ? a.near > b.near : a.index < b.index;
@@ -187,45 +145,60 @@ struct OcclusionBuffer::State {
     return bounds;
   }
 
-  /// Draws the waiting ones from `at` on until a round is full: prepared side by side, drawn by bands of rows.
-  std::size_t draw_round(std::span<const OccluderInstance> occluders, std::size_t at, std::uint32_t most_triangles) {
-    std::uint32_t triangles = 0;
-    std::size_t used = 0;
-    for (; at < waiting.size() && triangles < most_triangles; ++at) {
-      const Waiting& w = waiting[at];
-      if (std::isfinite(w.near) && kernels->hides(tiles, w.x0, w.y0, w.x1, w.y1, w.near)) continue;
-      if (slots.size() == used) slots.emplace_back();
-      slots[used++].occluder = &occluders[w.index];
-      triangles += occluders[w.index].mesh->triangle_count;
+  /// Cuts the columns into so many strips of about the same work, guessed from the rectangles: a triangle of an
+  /// occluder costs about as much as a tile. Fewer if there are not enough columns.
+  void cut_strips(std::span<const OccluderInstance> occluders, std::size_t wanted) {
+    load.assign(static_cast<std::size_t>(tiles.across) + 1, 0.0);
+    for (const Waiting& w : waiting) {
+      const int first = w.x0 / raster::tile_size, last = (w.x1 - 1) / raster::tile_size;
+      const int rows = (w.y1 - w.y0) / raster::tile_size + 1, columns = last - first + 1;
+      const double each = static_cast<double>(occluders[w.index].mesh->triangle_count) / columns + rows;
+      load[static_cast<std::size_t>(first)] += each;
+      load[static_cast<std::size_t>(last) + 1] -= each;
     }
-    // By reference, so that the std::function allocates nothing.
-    const auto prepare = [&](std::size_t begin, std::size_t end) {
-      for (std::size_t i = begin; i < end; ++i) {
-        Slot& slot = slots[i];
-        const OccluderMesh& mesh = *slot.occluder->mesh;
-        const auto mesh_view = view.mesh_view(mesh, slot.occluder->transform);
-        slot.list.clear();
-        slot.drawn = mesh_view.has_value();
-        if (slot.drawn) kernels->prepare(mesh, *mesh_view, tiles, slot.scratch, slot.list);
-      }
+    std::partial_sum(load.begin(), load.end(), load.begin());
+    std::partial_sum(load.begin(), load.end(), load.begin());  // load[c]: of columns 0 .. c
+    if (strips.size() < wanted) strips.resize(wanted);
+    used_strips = 0;
+    for (int first = 0, end = 0; first < tiles.across; first = end) {
+      const bool last = used_strips + 1 == wanted;
+      const double goal = load.back() * static_cast<double>(used_strips + 1) / static_cast<double>(wanted);
+      for (end = first + 1; end < tiles.across && (last || load[static_cast<std::size_t>(end)] <= goal);) ++end;
+      strips[used_strips++].begin(tiles, first, end - 1);
+    }
+  }
+
+  /// Draws what of the waiting ones lies in a strip.
+  void draw_strip(std::span<const OccluderInstance> occluders, std::size_t s) {
+    Strip& strip = strips[s];
+    const int left = strip.first_column * raster::tile_size;
+    const int right = std::min((strip.last_column + 1) * raster::tile_size, tiles.width);
+    for (std::size_t i = 0; i < waiting.size(); ++i) {
+      const Waiting& w = waiting[i];
+      const int x0 = std::max(w.x0, left), x1 = std::min(w.x1, right);
+      if (x0 >= x1 || (std::isfinite(w.near) && kernels->hides(tiles, x0, w.y0, x1, w.y1, w.near))) continue;
+      const OccluderInstance& occluder = occluders[w.index];
+      const auto mesh_view = view.mesh_view(*occluder.mesh, occluder.transform);
+      if (!mesh_view) continue;
+      drawn[s * waiting.size() + i] = 1;
+      kernels->draw(*occluder.mesh, *mesh_view, tiles, strip);
+    }
+  }
+
+  void draw_all(std::span<const OccluderInstance> occluders) {
+    order(occluders);
+    cut_strips(occluders, static_cast<std::size_t>(thread_count()));
+    drawn.assign(used_strips * waiting.size(), 0);
+    const auto draw_strips = [&](std::size_t begin, std::size_t end) {
+      for (std::size_t s = begin; s < end; ++s) draw_strip(occluders, s);
     };
-    parallel_blocks(used, 1, std::ref(prepare));
-    for (std::size_t i = 0; i < used; ++i)
-      if (slots[i].drawn) count(*slots[i].occluder->mesh, slots[i].list);
-    order_surfaces(used);
-    const auto band_count = static_cast<std::size_t>(thread_count());
-    if (bands.size() < band_count) bands.resize(band_count);
-    const auto draw_band = [&](std::size_t begin, std::size_t end) {
-      for (std::size_t i = begin; i < end; ++i) {
-        bands[i].index = static_cast<std::uint32_t>(i);
-        bands[i].count = static_cast<std::uint32_t>(band_count);
-        for (const Surface& surface : surfaces)
-          kernels->draw(slots[surface.slot].list, surface.first, surface.last, tiles, bands[i]);
-      }
-    };
-    parallel_blocks(band_count, 1, std::ref(draw_band));
-    for (std::size_t i = 0; i < band_count; ++i) collect(bands[i]);
-    return at;
+    parallel_blocks(used_strips, 1, std::ref(draw_strips));  // by reference: the std::function allocates nothing
+    for (std::size_t s = 0; s < used_strips; ++s) collect(strips[s]);
+    for (std::size_t i = 0; i < waiting.size(); ++i) {
+      bool any = false;
+      for (std::size_t s = 0; s < used_strips; ++s) any = any || drawn[s * waiting.size() + i] != 0;
+      if (any) count(*occluders[waiting[i].index].mesh);
+    }
   }
 };
 
@@ -252,16 +225,16 @@ void OcclusionBuffer::add_occluder(const OccluderMesh& mesh, const Affine& trans
   if (mesh.triangle_count == 0) return;
   // A rectangle that is hidden, or outside of the image, ends it here.
   if (!s.seen(State::world_bounds(mesh, transform), false)) return;
-  if (const auto mesh_view = s.view.mesh_view(mesh, transform)) s.draw(mesh, *mesh_view);
+  const auto mesh_view = s.view.mesh_view(mesh, transform);
+  if (!mesh_view) return;
+  Strip& strip = s.strips[0];
+  strip.begin(s.tiles, 0, s.tiles.across - 1);
+  s.kernels->draw(mesh, *mesh_view, s.tiles, strip);
+  s.count(mesh);
+  s.collect(strip);
 }
 
-void OcclusionBuffer::add_occluders(std::span<const OccluderInstance> occluders) {
-  State& s = *state_;
-  s.order(occluders);
-  std::uint32_t most_triangles = 4096;  // few at first: they hide the others
-  for (std::size_t at = 0; at < s.waiting.size(); most_triangles = std::min(2 * most_triangles, 65536u))
-    at = s.draw_round(occluders, at, most_triangles);
-}
+void OcclusionBuffer::add_occluders(std::span<const OccluderInstance> occluders) { state_->draw_all(occluders); }
 
 void OcclusionBuffer::add_occluder(std::span<const glm::vec3> positions, std::span<const glm::uvec3> triangles,
                                    const Affine& transform) {
@@ -316,6 +289,13 @@ float OcclusionBuffer::hidden_beyond(int x, int y) const {
   const float near = state_->tiles.at(x, y);
   if (near == raster::nothing_near) return std::numeric_limits<float>::infinity();
   return state_->view.perspective ? 1.0f / near : -near;
+}
+
+double OcclusionBuffer::covered() const {
+  const raster::Tiles& tiles = state_->tiles;
+  const auto count = static_cast<std::ptrdiff_t>(tiles.hidden.size());  // `farthest` has padding
+  const auto open = std::count(tiles.farthest.begin(), tiles.farthest.begin() + count, raster::nothing_near);
+  return 1.0 - static_cast<double>(open) / static_cast<double>(count);
 }
 
 const OcclusionCounts& OcclusionBuffer::counts() const { return state_->counts; }

@@ -17,16 +17,20 @@
 HWY_BEFORE_NAMESPACE();
 namespace sightline::raster::HWY_NAMESPACE {
 
-HWY_INLINE void touch(Tiles& tiles, Band& band, std::size_t tile) {
-  if (tiles.listed[tile] != 0) return;
-  tiles.listed[tile] = 1;
-  band.touched.push_back(static_cast<std::uint32_t>(tile));
+HWY_INLINE void touch(Strip& strip, std::size_t tile, std::size_t place) {
+  if (strip.listed[place] != 0) return;
+  strip.listed[place] = 1;
+  strip.touched.push_back({static_cast<std::uint32_t>(tile), static_cast<std::uint32_t>(place)});
 }
 
 /// Columns or rows of tiles; empty if first > last.
 struct TileRange {
   int first, last;
 };
+
+HWY_INLINE TileRange within(TileRange range, const Strip& strip) {
+  return {std::max(range.first, strip.first_column), std::min(range.last, strip.last_column)};
+}
 
 /// Those that pixels from low to high (real coordinates) fall in, clamped to the image.
 HWY_INLINE TileRange tile_range(float low, float high, int pixels) {
@@ -86,7 +90,7 @@ inline constexpr float box_slack = 0.004f;
 /// One triangle in the tile loops.
 class TriangleFill {
  public:
-  HWY_INLINE TriangleFill(const Setups& s, std::size_t t, const Run& run, Tiles& tiles, Band& band)
+  HWY_INLINE TriangleFill(const Setups& s, std::size_t t, const Run& run, Tiles& tiles, Strip& strip)
       : edges_{{s.a[0][t], s.b[0][t], s.x[0][t], s.y[0][t]},
                {s.a[1][t], s.b[1][t], s.x[1][t], s.y[1][t]},
                {s.a[2][t], s.b[2][t], s.x[2][t], s.y[2][t]}},
@@ -100,7 +104,7 @@ class TriangleFill {
         box_high_y_(s.high_y[t] + box_slack),
         nearest_(run.nearest),
         tiles_(tiles),
-        band_(band) {
+        strip_(strip) {
     const Float d;
     for (std::size_t l = 0; l < tile_pixels; l += float_lanes()) {
       const auto lx = hn::Load(d, lane_x + l), ly = hn::Load(d, lane_y + l);
@@ -113,17 +117,16 @@ class TriangleFill {
     largest_step_ = std::max(std::max(n[0], n[3]), std::max(n[12], n[15]));
   }
 
-  HWY_INLINE void rows(TileRange columns, TileRange rows) {
-    if (columns.last - columns.first <= 2) {
+  HWY_INLINE void rows(TileRange all_columns, TileRange rows) {
+    const TileRange columns = within(all_columns, strip_);
+    if (all_columns.last - all_columns.first <= 2) {  // whatever the strip, so that the same tiles count as filled
       for (int row = rows.first; row <= rows.last; ++row)
-        if (band_.owns(row))
-          for (int column = columns.first; column <= columns.last; ++column) any_tile(row, column);
+        for (int column = columns.first; column <= columns.last; ++column) any_tile(row, column);
       return;
     }
     const Crossing crossings[3] = {Crossing(edges_[0]), Crossing(edges_[1]), Crossing(edges_[2])};
     const auto width = static_cast<float>(tiles_.width);
     for (int row = rows.first; row <= rows.last; ++row) {
-      if (!band_.owns(row)) continue;
       const float y = static_cast<float>(row * tile_size) + 0.5f;
       RowCut cut{0.0f, width - 1.0f, 0.0f, width};
       for (int i = 0; i < 3; ++i) cut.add(edges_[i], crossings[i], y, y + static_cast<float>(tile_size - 1));
@@ -162,7 +165,7 @@ class TriangleFill {
         near_at(static_cast<float>(column * tile_size) + 0.5f, static_cast<float>(row * tile_size) + 0.5f);
     float& farthest = tiles_.farthest[tile];
     if (farthest >= std::max(near0 + largest_step_, least_)) return;
-    ++band_.counts.tiles;
+    ++strip_.tiles_filled;
     const Float d;
     const auto near = hn::Set(d, near0), least = hn::Set(d, least_);
     float* hidden = tiles_.hidden[tile].lane;
@@ -192,7 +195,7 @@ class TriangleFill {
     }
     const auto all_inside = hn::Set(d, 1.0f), outside = hn::Set(d, -1.0f);
     if (hn::AllFalse(d, hn::Ge(most_inside, outside))) return;
-    ++band_.counts.tiles;
+    ++strip_.tiles_filled;
     const auto near_here = hn::Set(d, near0), least = hn::Set(d, least_);
     const auto near_of = [&](std::size_t l) SIGHTLINE_INLINE_LAMBDA {
       return hn::Max(hn::Add(near_here, hn::Load(d, near_step_ + l)), least);
@@ -210,7 +213,8 @@ class TriangleFill {
       }
     }
     // Pixels that this triangle covers in part.
-    float* layer = tiles_.layer[tile].lane;
+    const std::size_t place = strip_.place(row, column);
+    float* layer = strip_.layer[place].lane;
     std::uint32_t covered = 0;
     const auto limit = [&](float value) SIGHTLINE_INLINE_LAMBDA { return hn::Set(d, value); };
     const auto left = limit(box_low_x_ - x), right = limit(box_high_x_ - x), top = limit(box_low_y_ - y),
@@ -226,8 +230,8 @@ class TriangleFill {
       const auto centre = hn::And(hn::And(shared, hn::Ge(here, hn::Set(d, -edge_slack))), in_box);
       covered |= bits_of(d, centre) << l;
     }
-    tiles_.covered[tile] = static_cast<std::uint16_t>(tiles_.covered[tile] | covered);
-    touch(tiles_, band_, tile);
+    strip_.covered[place] = static_cast<std::uint16_t>(strip_.covered[place] | covered);
+    touch(strip_, tile, place);
   }
 
   Edge edges_[3];
@@ -236,21 +240,21 @@ class TriangleFill {
   float nearest_;
   float least_step_, largest_step_;
   Tiles& tiles_;
-  Band& band_;
+  Strip& strip_;
   HWY_ALIGN float edge_step_[3][tile_pixels];
   HWY_ALIGN float near_step_[tile_pixels];
 };
 
 /// Marks every pixel whose square, widened by the margin, the segment touches (separating axes: x, y, its normal).
-HWY_INLINE void mark(const DrawList& list, std::size_t e, const Run& run, Tiles& tiles, Band& band) {
+HWY_INLINE void mark(const DrawList& list, std::size_t e, const Run& run, Tiles& tiles, Strip& strip) {
   const Float d;
   const float margin = run.margins.pixels, square = run.margins.square;
   const float px = list.edge_x[0][e], py = list.edge_y[0][e], qx = list.edge_x[1][e], qy = list.edge_y[1][e];
   const float low_x = std::min(px, qx) - margin, high_x = std::max(px, qx) + margin;
   const float low_y = std::min(py, qy) - margin, high_y = std::max(py, qy) + margin;
-  const TileRange columns = tile_range(low_x, high_x, tiles.width);
+  const TileRange columns = within(tile_range(low_x, high_x, tiles.width), strip);
   const TileRange rows = tile_range(low_y, high_y, tiles.height);
-  if (columns.first > columns.last || !band.owns_any(rows.first, rows.last)) return;
+  if (columns.first > columns.last || rows.first > rows.last) return;
   const float a = py - qy, b = qx - px, length = std::abs(a) + std::abs(b);
   const float scale =
       length > 1e-20f ? 1.0f / (length * (run.margins.square + margin)) : 0.0f;  // a point: its box decides
@@ -258,7 +262,6 @@ HWY_INLINE void mark(const DrawList& list, std::size_t e, const Run& run, Tiles&
   const Crossing crossing(side), other_crossing(other);
   const bool cut = columns.last - columns.first > 2;
   for (int row = rows.first; row <= rows.last; ++row) {
-    if (!band.owns(row)) continue;
     const float y = static_cast<float>(row * tile_size) + 0.5f;
     TileRange range = columns;
     if (cut) {
@@ -285,21 +288,22 @@ HWY_INLINE void mark(const DrawList& list, std::size_t e, const Run& run, Tiles&
         bits |= bits_of(d, hit) << l;
       }
       if (bits == 0) continue;
-      tiles.contour[tile] = static_cast<std::uint16_t>(tiles.contour[tile] | bits);
-      touch(tiles, band, tile);
+      const std::size_t place = strip.place(row, column);
+      strip.contour[place] = static_cast<std::uint16_t>(strip.contour[place] | bits);
+      touch(strip, tile, place);
     }
   }
 }
 
 /// Ends a surface: what its layer proves goes into `hidden`.
-HWY_INLINE void commit(Tiles& tiles, Band& band) {
+HWY_INLINE void commit(Tiles& tiles, Strip& strip) {
   const Float d;
   const auto empty = hn::Set(d, std::numeric_limits<float>::infinity());
-  for (const std::uint32_t tile : band.touched) {
-    const auto proven = static_cast<std::uint32_t>(tiles.covered[tile] & ~tiles.contour[tile]);
+  for (const auto [tile, place] : strip.touched) {
+    const auto proven = static_cast<std::uint32_t>(strip.covered[place] & ~strip.contour[place]);
     auto farthest = empty;
     for (std::size_t l = 0; l < tile_pixels; l += float_lanes()) {
-      float* layer = tiles.layer[tile].lane + l;
+      float* layer = strip.layer[place].lane + l;
       float* hidden = tiles.hidden[tile].lane + l;
       std::uint8_t bytes[8] = {static_cast<std::uint8_t>(proven >> l), static_cast<std::uint8_t>(proven >> l >> 8)};
       const auto mask = hn::LoadMaskBits(d, bytes);
@@ -310,18 +314,17 @@ HWY_INLINE void commit(Tiles& tiles, Band& band) {
       farthest = hn::Min(farthest, now);
     }
     tiles.farthest[tile] = hn::GetLane(hn::MinOfLanes(d, farthest));
-    tiles.covered[tile] = tiles.contour[tile] = 0;
-    tiles.listed[tile] = 0;
+    strip.covered[place] = strip.contour[place] = 0;
+    strip.listed[place] = 0;
   }
-  band.touched.clear();
+  strip.touched.clear();
 }
 
-/// True if every tile of the ranges that is the band's hides what is of nearness `near`.
-HWY_INLINE bool hides_tiles(const Tiles& tiles, const Band& band, TileRange columns, TileRange rows, float near) {
+/// True if every tile of the ranges hides what is of nearness `near`.
+HWY_INLINE bool hides_tiles(const Tiles& tiles, TileRange columns, TileRange rows, float near) {
   const Float d;
   const auto limit = hn::Set(d, near);
   for (int row = rows.first; row <= rows.last; ++row) {
-    if (!band.owns(row)) continue;
     const float* farthest =
         tiles.farthest.data() + static_cast<std::size_t>(row) * static_cast<std::size_t>(tiles.across);
     const auto last = static_cast<std::size_t>(columns.last) + 1;
@@ -334,29 +337,36 @@ HWY_INLINE bool hides_tiles(const Tiles& tiles, const Band& band, TileRange colu
   return true;
 }
 
-HWY_INLINE void draw_run(const DrawList& list, const Run& run, Tiles& tiles, Band& band) {
+HWY_INLINE void draw_run(const DrawList& list, const Run& run, Tiles& tiles, Strip& strip) {
   Setups setups;
   for (std::size_t first = run.first_triangle; first < run.last_triangle; first += tile_pixels) {
     const std::size_t count = std::min<std::size_t>(tile_pixels, run.last_triangle - first);
     setups.valid = 0;
-    for (std::size_t l = 0; l < count; l += float_lanes()) set_up(list, first, run.margins, tiles, l, setups);
+    for (std::size_t l = 0; l < count; l += float_lanes()) set_up(list, first, run.margins, tiles, strip, l, setups);
     std::uint32_t valid = setups.valid & (0xFFFFu >> (tile_pixels - count));
     for (std::size_t t = 0; valid != 0; ++t, valid >>= 1) {
-      if ((valid & 1u) == 0 || !band.owns_any(setups.first_row[t], setups.last_row[t])) continue;
-      TriangleFill(setups, t, run, tiles, band)
+      if ((valid & 1u) == 0) continue;
+      TriangleFill(setups, t, run, tiles, strip)
           .rows({setups.first_column[t], setups.last_column[t]}, {setups.first_row[t], setups.last_row[t]});
     }
   }
-  for (std::size_t e = run.first_edge; e < run.last_edge; ++e) mark(list, e, run, tiles, band);
+  for (std::size_t e = run.first_edge; e < run.last_edge; ++e) mark(list, e, run, tiles, strip);
 }
 
-inline void draw(const DrawList& list, std::size_t first, std::size_t last, Tiles& tiles, Band& band) {
-  for (std::size_t r = first; r < last; ++r) {
-    const Run& run = list.runs[r];
-    // What was drawn since it was prepared may hide it by now; a surface with clipped parts is near without bound.
-    if (!hides_tiles(tiles, band, {run.first_column, run.last_column}, {run.first_row, run.last_row}, run.nearest))
-      draw_run(list, run, tiles, band);
-    if (run.last && !band.touched.empty()) commit(tiles, band);
+/// Draws the strip's list, the near surfaces first: they spare the work for the others.
+HWY_INLINE void draw_list(Tiles& tiles, Strip& strip) {
+  DrawList& list = strip.list;
+  std::sort(list.surfaces.begin(), list.surfaces.end(), [](const Surface& a, const Surface& b) {
+    return a.nearest != b.nearest ? a.nearest > b.nearest : a.first < b.first;
+  });
+  for (const Surface& surface : list.surfaces) {
+    for (std::size_t r = surface.first; r < surface.last; ++r) {
+      const Run& run = list.runs[r];
+      // What was drawn since it was prepared may hide it by now; a surface with clipped parts is near without bound.
+      if (!hides_tiles(tiles, {run.first_column, run.last_column}, {run.first_row, run.last_row}, run.nearest))
+        draw_run(list, run, tiles, strip);
+    }
+    commit(tiles, strip);
   }
 }
 

@@ -12,13 +12,13 @@ namespace sightline::raster {
 
 const Kernels& scalar_kernels() {
   namespace scalar = HWY_NAMESPACE;
-  static const Kernels kernels{"scalar",      scalar::prepare,    scalar::draw,
-                               scalar::hides, scalar::hides_hull, scalar::project_boxes};
+  static const Kernels kernels{"scalar", scalar::draw, scalar::hides, scalar::hides_hull, scalar::project_boxes};
   return kernels;
 }
 
 void DrawList::clear() {
   runs.clear();
+  surfaces.clear();
   triangles = edges = 0;
 }
 
@@ -36,7 +36,6 @@ void DrawList::reserve(std::size_t more_triangles, std::size_t more_edges) {
 }
 
 void Tiles::resize(int new_width, int new_height) {
-  const bool same = width == new_width && height == new_height;
   width = new_width;
   height = new_height;
   across = (width + tile_size - 1) / tile_size;
@@ -60,13 +59,20 @@ void Tiles::resize(int new_width, int new_height) {
         if (column * tile_size + lane % tile_size >= width || row * tile_size + lane / tile_size >= height)
           pixels[lane] = std::numeric_limits<float>::infinity();
     }
-  if (same) return;  // drawing leaves the rest empty
+}
+
+void Strip::begin(const Tiles& tiles, int first, int last) {
+  first_column = first;
+  last_column = last;
+  triangles_filled = tiles_filled = 0;
+  const std::size_t places = place(tiles.down, first);
+  if (layer.size() >= places) return;  // drawing leaves it empty
   TilePixels empty;
   std::fill_n(empty.lane, tile_pixels, std::numeric_limits<float>::infinity());
-  layer.assign(count, empty);
-  covered.assign(count, 0);
-  contour.assign(count, 0);
-  listed.assign(count, 0);
+  layer.assign(places, empty);
+  covered.assign(places, 0);
+  contour.assign(places, 0);
+  listed.assign(places, 0);
 }
 
 }  // namespace sightline::raster

@@ -18,19 +18,24 @@ namespace sightline::raster::HWY_NAMESPACE {
 
 using sightline::HWY_NAMESPACE::store_lane_ids;
 
-/// What Scratch::code says of a vertex: it lies beyond a side of the image, before the near plane (a triangle all of
-/// whose corners do meets no pixel), or where floats get it wrong.
+/// What Scratch::code says of a vertex: it lies beyond a side of the strip or image, before the near plane (a triangle
+/// all of whose corners do meets no pixel), or where floats get it wrong.
 enum VertexCode : std::int32_t { left_of = 1, right_of = 2, above = 4, below = 8, before_near = 16, wrong = 32 };
 inline constexpr std::int32_t outside_codes = left_of | right_of | above | below | before_near;
 
 /// Vertices to pixels, with their codes.
 template <bool partial>
-HWY_INLINE void project(const OccluderMesh& mesh, const MeshView& view, Scratch& out) {
+HWY_INLINE void project(const OccluderMesh& mesh, const MeshView& view, const Tiles& tiles, Strip& strip) {
+  Scratch& out = strip.scratch;
   const Float d;
   const Int di;
   const ScreenTransform& t = view.screen;
   const auto one = hn::Set(d, 1.0f);
-  const auto wide = hn::Set(d, view.half_width), high = hn::Set(d, view.half_height);
+  const auto border = [&](int pixel, float centre, float aside)
+                          SIGHTLINE_INLINE_LAMBDA { return hn::Set(d, static_cast<float>(pixel) - centre + aside); };
+  const auto left = border(strip.first_column * tile_size, t.centre_x, -view.aside);
+  const auto right = border((strip.last_column + 1) * tile_size, t.centre_x, view.aside);
+  const auto top = border(0, t.centre_y, -view.aside), bottom = border(tiles.height, t.centre_y, view.aside);
   const auto code_if = [&](auto mask, std::int32_t code) SIGHTLINE_INLINE_LAMBDA {
     return hn::IfThenElseZero(hn::RebindMask(di, mask), hn::Set(di, code));
   };
@@ -50,9 +55,9 @@ HWY_INLINE void project(const OccluderMesh& mesh, const MeshView& view, Scratch&
     auto x = row(t.to_x, dx, dy, dz), y = row(t.to_y, dx, dy, dz);
     const auto w = row(t.to_w, dx, dy, dz);
     const auto h = t.perspective ? w : one;
-    auto code = hn::Or(
-        hn::Or(code_if(hn::Lt(x, hn::Neg(hn::Mul(wide, h))), left_of), code_if(hn::Gt(x, hn::Mul(wide, h)), right_of)),
-        hn::Or(code_if(hn::Lt(y, hn::Neg(hn::Mul(high, h))), above), code_if(hn::Gt(y, hn::Mul(high, h)), below)));
+    auto code =
+        hn::Or(hn::Or(code_if(hn::Lt(x, hn::Mul(left, h)), left_of), code_if(hn::Gt(x, hn::Mul(right, h)), right_of)),
+               hn::Or(code_if(hn::Lt(y, hn::Mul(top, h)), above), code_if(hn::Gt(y, hn::Mul(bottom, h)), below)));
     auto near = hn::Neg(w);
     auto per_w = one;
     if (t.perspective) {
@@ -120,23 +125,23 @@ HWY_INLINE bool holds_no_pixel(float low, float high, const Margins& margins, in
 
 class Preparation {
  public:
-  HWY_INLINE Preparation(const OccluderMesh& mesh, const MeshView& view, const Tiles& tiles, Scratch& s, DrawList& out)
-      : mesh_(mesh), view_(view), tiles_(tiles), s_(s), out_(out) {}
+  HWY_INLINE Preparation(const OccluderMesh& mesh, const MeshView& view, const Tiles& tiles, Strip& strip)
+      : mesh_(mesh), view_(view), tiles_(tiles), strip_(strip), s_(strip.scratch), out_(strip.list) {}
 
   HWY_INLINE void component(std::size_t c) {
     const ScreenBounds bounds = bounds_of(s_, mesh_.vertex_begin[c], mesh_.vertex_begin[c + 1]);
     nearest_ = std::numeric_limits<float>::infinity();
     rows_ = {0, tiles_.down - 1};
-    columns_ = {0, tiles_.across - 1};
+    columns_ = {strip_.first_column, strip_.last_column};
     const float margin = view_.margins.pixels;
     if (bounds.valid) {
       if (holds_no_pixel(bounds.low_x, bounds.high_x, view_.margins, tiles_.width) ||
           holds_no_pixel(bounds.low_y, bounds.high_y, view_.margins, tiles_.height))
         return;
       nearest_ = bounds.nearest + std::abs(bounds.nearest) * 0x1p-12f;  // also of what rounding makes of it
-      columns_ = tile_range(bounds.low_x - margin, bounds.high_x + margin, tiles_.width);
+      columns_ = within(tile_range(bounds.low_x - margin, bounds.high_x + margin, tiles_.width), strip_);
       rows_ = tile_range(bounds.low_y - margin, bounds.high_y + margin, tiles_.height);
-      if (hides_tiles(tiles_, Band{}, columns_, rows_, nearest_)) return;
+      if (hides_tiles(tiles_, columns_, rows_, nearest_)) return;
     }
     begin_ = mesh_.triangle_begin[c];
     end_ = mesh_.triangle_begin[c + 1];
@@ -238,8 +243,9 @@ class Preparation {
   HWY_INLINE void side(std::size_t c, float sign, const std::vector<std::int32_t>& triangles, std::size_t count,
                        bool with_clipped) {
     s_.facing[mesh_.triangle_count + 1] = sign;
-    Run run{out_.triangles, 0,   out_.edges, 0, view_.margins, nearest_, rows_.first, rows_.last, columns_.first,
-            columns_.last,  true};
+    const auto first_run = static_cast<std::uint32_t>(out_.runs.size());
+    Run run{out_.triangles, 0, out_.edges, 0, view_.margins, nearest_, rows_.first, rows_.last, columns_.first,
+            columns_.last};
     const std::size_t clipped = take_triangles(triangles, count);
     if (out_.triangles == run.first_triangle && clipped == 0) return;
     const std::size_t contours = find_contours(c, sign);
@@ -260,12 +266,10 @@ class Preparation {
     }
     run.last_triangle = out_.triangles;
     run.last_edge = out_.edges;
-    if (!with_clipped) {
-      out_.runs.push_back(run);
-      return;
-    }
-    run.last = false;
     out_.runs.push_back(run);
+    out_.surfaces.push_back({nearest_, first_run, first_run + 1});
+    if (!with_clipped) return;
+    ++out_.surfaces.back().last;
     run.first_triangle = out_.triangles;
     run.first_edge = out_.edges;
     run.margins = view_.clip_margins;
@@ -280,7 +284,6 @@ class Preparation {
     }
     run.last_triangle = out_.triangles;
     run.last_edge = out_.edges;
-    run.last = true;
     out_.runs.push_back(run);
   }
 
@@ -336,6 +339,7 @@ class Preparation {
   const OccluderMesh& mesh_;
   const MeshView& view_;
   const Tiles& tiles_;
+  const Strip& strip_;
   Scratch& s_;
   DrawList& out_;
   std::size_t begin_ = 0, end_ = 0, front_ = 0, back_ = 0;
@@ -343,8 +347,9 @@ class Preparation {
   TileRange rows_{0, -1}, columns_{0, -1};
 };
 
-inline void prepare(const OccluderMesh& mesh, const MeshView& view, const Tiles& tiles, Scratch& s, DrawList& out) {
+inline void draw(const OccluderMesh& mesh, const MeshView& view, Tiles& tiles, Strip& strip) {
   constexpr std::size_t padding = 2 * tile_pixels;
+  Scratch& s = strip.scratch;
   if (s.x.size() < mesh.vertex_count + padding) {
     for (auto* array : {&s.x, &s.y, &s.near}) array->resize(mesh.vertex_count + padding);
     s.code.resize(mesh.vertex_count + padding);
@@ -355,11 +360,14 @@ inline void prepare(const OccluderMesh& mesh, const MeshView& view, const Tiles&
   }
   if (s.edges.size() < mesh.edge_count + padding) s.edges.resize(mesh.edge_count + padding);
   if (view.partial)
-    project<true>(mesh, view, s);
+    project<true>(mesh, view, tiles, strip);
   else
-    project<false>(mesh, view, s);
-  Preparation preparation(mesh, view, tiles, s, out);
+    project<false>(mesh, view, tiles, strip);
+  strip.list.clear();
+  Preparation preparation(mesh, view, tiles, strip);
   for (std::size_t c = 0; c + 1 < mesh.triangle_begin.size(); ++c) preparation.component(c);
+  strip.triangles_filled += strip.list.triangles;
+  draw_list(tiles, strip);
 }
 
 }  // namespace sightline::raster::HWY_NAMESPACE

@@ -202,8 +202,7 @@ std::optional<MeshView> ViewTransform::mesh_view(const OccluderMesh& mesh, const
   m.screen.perspective = perspective;
   m.partial = !within_guard(f, mesh, rows, mesh_eye);
   const Margins widest = margins(f.nearest, f.spread, rounding);
-  m.half_width = static_cast<float>(0.5 * width) + 2.0f + widest.pixels;
-  m.half_height = static_cast<float>(0.5 * height) + 2.0f + widest.pixels;
+  m.aside = 2.0f + widest.pixels;
   if (!m.partial) {
     m.margins = widest;
     return m;

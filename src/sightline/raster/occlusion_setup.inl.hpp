@@ -52,7 +52,7 @@ struct Setups {
       high_y[tile_pixels];  // box of the corners
   HWY_ALIGN std::int32_t first_column[tile_pixels], last_column[tile_pixels], first_row[tile_pixels],
       last_row[tile_pixels];
-  std::uint32_t valid;  // bit per triangle: it has an area and may touch the image
+  std::uint32_t valid;  // bit per triangle: it has an area and may touch the strip
 };
 
 template <class V>
@@ -66,7 +66,7 @@ HWY_INLINE V max3(V a, V b, V c) {
 
 /// Lanes [l, l + N) of the setups, of the triangles from `first` on.
 HWY_INLINE void set_up(const DrawList& list, std::size_t first, const Margins& margins, const Tiles& tiles,
-                       std::size_t l, Setups& out) {
+                       const Strip& strip, std::size_t l, Setups& out) {
   const Float d;
   const Int di;
   const auto zero = hn::Zero(d), one = hn::Set(d, 1.0f), margin = hn::Set(d, margins.pixels);
@@ -129,7 +129,10 @@ HWY_INLINE void set_up(const DrawList& list, std::size_t first, const Margins& m
   };
   range(min3(x0, x1, x2), max3(x0, x1, x2), tiles.width, out.low_x, out.high_x, out.first_column, out.last_column);
   range(low_y, high_y, tiles.height, out.low_y, out.high_y, out.first_row, out.last_row);
-  out.valid |= bits_of(d, valid) << l;
+  const auto column = [&](const std::int32_t* columns) SIGHTLINE_INLINE_LAMBDA { return hn::Load(di, columns + l); };
+  const auto beside = hn::Or(hn::Gt(column(out.first_column), hn::Set(di, strip.last_column)),
+                             hn::Lt(column(out.last_column), hn::Set(di, strip.first_column)));
+  out.valid |= bits_of(d, hn::AndNot(hn::RebindMask(d, beside), valid)) << l;
 }
 
 }  // namespace sightline::raster::HWY_NAMESPACE
