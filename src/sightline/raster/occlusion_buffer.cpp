@@ -46,7 +46,7 @@ struct OcclusionBuffer::State {
   std::vector<Strip> strips{1};
   std::size_t used_strips = 0;
   std::vector<Waiting> waiting;
-  std::vector<double> load;         // per column of tiles: work for the waiting ones
+  std::vector<float> load, open;    // see cut_strips
   std::vector<std::uint8_t> drawn;  // by strip and place in `waiting`
   RawOccluder raw;
 
@@ -145,24 +145,31 @@ struct OcclusionBuffer::State {
     return bounds;
   }
 
-  /// Cuts the columns into so many strips of about the same work, guessed from the rectangles: a triangle of an
-  /// occluder costs about as much as a tile. Fewer if there are not enough columns.
+  /// Cuts the columns into so many strips of about the same work, fewer if there are not enough columns. The work is
+  /// guessed from the rectangles: a triangle of an occluder costs about as much as three tiles, and what lies behind
+  /// rectangles that fill a column costs nothing there.
   void cut_strips(std::span<const OccluderInstance> occluders, std::size_t wanted) {
-    load.assign(static_cast<std::size_t>(tiles.across) + 1, 0.0);
-    for (const Waiting& w : waiting) {
+    load.assign(static_cast<std::size_t>(tiles.across), 0.0f);
+    open.assign(load.size(), 1.0f);  // share of the column that is not covered yet
+    for (std::size_t i = 0; i < waiting.size() && wanted > 1; ++i) {
+      const Waiting& w = waiting[i];
       const int first = w.x0 / raster::tile_size, last = (w.x1 - 1) / raster::tile_size;
-      const int rows = (w.y1 - w.y0) / raster::tile_size + 1, columns = last - first + 1;
-      const double each = static_cast<double>(occluders[w.index].mesh->triangle_count) / columns + rows;
-      load[static_cast<std::size_t>(first)] += each;
-      load[static_cast<std::size_t>(last) + 1] -= each;
+      const auto rows = static_cast<float>((w.y1 - w.y0) / raster::tile_size + 1);
+      const auto triangles = static_cast<float>(occluders[w.index].mesh->triangle_count);
+      const float each = 3.0f * triangles / static_cast<float>(last - first + 1) + rows;
+      const float covers = std::isfinite(w.near) ? rows / static_cast<float>(tiles.down) : 0.0f;
+      for (int column = first; column <= last; ++column) {
+        const auto c = static_cast<std::size_t>(column);
+        load[c] += each * open[c];
+        open[c] = std::max(0.0f, open[c] - covers);
+      }
     }
     std::partial_sum(load.begin(), load.end(), load.begin());
-    std::partial_sum(load.begin(), load.end(), load.begin());  // load[c]: of columns 0 .. c
     if (strips.size() < wanted) strips.resize(wanted);
     used_strips = 0;
     for (int first = 0, end = 0; first < tiles.across; first = end) {
       const bool last = used_strips + 1 == wanted;
-      const double goal = load.back() * static_cast<double>(used_strips + 1) / static_cast<double>(wanted);
+      const float goal = load.back() * static_cast<float>(used_strips + 1) / static_cast<float>(wanted);
       for (end = first + 1; end < tiles.across && (last || load[static_cast<std::size_t>(end)] <= goal);) ++end;
       strips[used_strips++].begin(tiles, first, end - 1);
     }
@@ -289,13 +296,6 @@ float OcclusionBuffer::hidden_beyond(int x, int y) const {
   const float near = state_->tiles.at(x, y);
   if (near == raster::nothing_near) return std::numeric_limits<float>::infinity();
   return state_->view.perspective ? 1.0f / near : -near;
-}
-
-double OcclusionBuffer::covered() const {
-  const raster::Tiles& tiles = state_->tiles;
-  const auto count = static_cast<std::ptrdiff_t>(tiles.hidden.size());  // `farthest` has padding
-  const auto open = std::count(tiles.farthest.begin(), tiles.farthest.begin() + count, raster::nothing_near);
-  return 1.0 - static_cast<double>(open) / static_cast<double>(count);
 }
 
 const OcclusionCounts& OcclusionBuffer::counts() const { return state_->counts; }

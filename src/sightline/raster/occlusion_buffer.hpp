@@ -15,11 +15,10 @@
 
 namespace sightline {
 
-/// Since begin(), the same for any number of threads but for triangles_filled: threads have strips of columns, and a
-/// triangle counts in each of its strips.
+/// Since begin().
 struct OcclusionCounts {
-  std::uint64_t occluders = 0, occluder_triangles = 0;  // those that were not hidden when their turn came
-  std::uint64_t triangles_filled = 0, tiles_filled = 0;
+  std::uint64_t occluders = 0, occluder_triangles = 0;   // those that were not hidden when their turn came
+  std::uint64_t triangles_filled = 0, tiles_filled = 0;  // summed over the threads' strips of columns: depend on these
 };
 
 /// What of a pixel must be hidden for it to count: all of its square, or its centre alone. The latter is for a buffer
@@ -86,8 +85,6 @@ class OcclusionBuffer {
   /// Distance along the view direction beyond which all in the pixel's square (or at its centre) is hidden, metres;
   /// infinity where nothing is.
   [[nodiscard]] float hidden_beyond(int x, int y) const;
-  /// Share of the image's tiles (4 x 4 pixels) that hide something in all their pixels, 0 to 1.
-  [[nodiscard]] double covered() const;
   [[nodiscard]] const OcclusionCounts& counts() const;
   /// Name of the SIMD target in use, or "scalar".
   [[nodiscard]] const char* target() const;
