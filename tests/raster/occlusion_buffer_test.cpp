@@ -172,12 +172,17 @@ TEST(OcclusionBuffer, OrderAndThreadsChangeNoBit) {
       OcclusionBuffer backwards;
       backwards.begin(view, 131, 74);
       for (std::size_t i = all.size(); i-- > 0;) backwards.add_occluder(*all[i].mesh, all[i].transform);
+      OcclusionCounts alone;
       for (const int threads : {1, 2, 5}) {
         const ThreadLimit limit(threads);
         OcclusionBuffer together;
         together.begin(view, 131, 74);
         together.add_occluders(all);
         EXPECT_EQ(pixels(together), pixels(backwards)) << c.name << ", " << threads << " threads: " << describe(view);
+        const OcclusionCounts counts = together.counts();
+        if (threads == 1) alone = counts;
+        EXPECT_EQ(counts.occluders, alone.occluders) << c.name << ", " << threads << " threads: " << describe(view);
+        EXPECT_EQ(counts.occluder_triangles, alone.occluder_triangles) << c.name << ", " << threads << " threads";
       }
     }
   }

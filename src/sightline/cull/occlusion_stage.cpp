@@ -145,7 +145,6 @@ bool OcclusionStage::draw(const StagedObject& staged) {
 void OcclusionStage::end(Counters& counters) const {
   counters.occluders += buffer_.counts().occluders;
   counters.occluder_triangles += buffer_.counts().occluder_triangles;
-  counters.triangles_filled += buffer_.counts().triangles_filled;
 }
 
 }  // namespace sightline

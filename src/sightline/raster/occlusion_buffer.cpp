@@ -5,6 +5,7 @@
 #include <cassert>
 #include <cmath>
 #include <functional>
+#include <numeric>
 
 #include "sightline/parallel/parallel.hpp"
 #include "sightline/raster/occlusion_hull.hpp"
@@ -14,10 +15,10 @@
 
 namespace sightline {
 
-using raster::DrawList;
 using raster::Kernels;
 using raster::MeshView;
 using raster::Rectangles;
+using raster::Strip;
 using raster::ViewTransform;
 
 namespace {
@@ -26,21 +27,12 @@ static_assert(sizeof(Aabb) == 6 * sizeof(float), "boxes are read as six floats")
 
 const float* floats(const Aabb* boxes) { return &boxes->lo.x; }
 
-/// An occluder of a round of add_occluders, with room that is kept.
-struct Slot {
-  DrawList list;
-  raster::Scratch scratch;
-};
-
+/// An occluder to be drawn: the rectangle around its box and a nearness that it does not exceed, infinite if it may lie
+/// before the near plane.
 struct Waiting {
-  double distance;
+  float near;
   std::uint32_t index;
-};
-
-/// A surface of a round: runs [first, last) of a slot's list.
-struct Surface {
-  float nearest;
-  std::uint32_t slot, first, last;
+  int x0, y0, x1, y1;
 };
 
 }  // namespace
@@ -51,12 +43,11 @@ struct OcclusionBuffer::State {
   ViewTransform view;
   raster::QueryView query{};
   OcclusionCounts counts;
-  std::vector<Slot> slots{1};
-  std::vector<raster::Band> bands{1};
+  std::vector<Strip> strips{1};
+  std::size_t used_strips = 0;
   std::vector<Waiting> waiting;
-  std::vector<MeshView> views;
-  std::vector<const OccluderMesh*> meshes;
-  std::vector<Surface> surfaces;
+  std::vector<float> load, open;    // see cut_strips
+  std::vector<std::uint8_t> drawn;  // by strip and place in `waiting`
   RawOccluder raw;
 
   [[nodiscard]] bool hidden_rectangle(const Rectangles& r, std::size_t i) const {
@@ -116,57 +107,35 @@ struct OcclusionBuffer::State {
     return !hidden_rectangle(r, 0);
   }
 
-  void draw(const OccluderMesh& mesh, const MeshView& mesh_view) {
-    Slot& slot = slots[0];
-    slot.list.clear();
-    kernels->prepare(mesh, mesh_view, tiles, slot.scratch, slot.list);
-    count(mesh, slot.list);
-    bands[0].first_row = 0;
-    bands[0].last_row = tiles.down - 1;
-    kernels->draw(slot.list, 0, slot.list.runs.size(), tiles, bands[0]);
-    collect(bands[0]);
-  }
-
-  /// Orders the surfaces of the round's occluders, the near ones first: they spare the work for the others.
-  void order_surfaces() {
-    surfaces.clear();
-    for (std::uint32_t s = 0; s < views.size(); ++s) {
-      const auto& runs = slots[s].list.runs;
-      std::uint32_t first = 0;
-      for (std::uint32_t r = 0; r < runs.size(); ++r) {
-        if (!runs[r].last) continue;
-        surfaces.push_back({runs[r].nearest, s, first, r + 1});
-        first = r + 1;
-      }
-    }
-    std::sort(surfaces.begin(), surfaces.end(), [](const Surface& a, const Surface& b) {
-      if (a.nearest != b.nearest) return a.nearest > b.nearest;
-      return a.slot != b.slot ? a.slot < b.slot : a.first < b.first;
-    });
-  }
-
-  void count(const OccluderMesh& mesh, const DrawList& list) {
+  void count(const OccluderMesh& mesh) {
     ++counts.occluders;
     counts.occluder_triangles += mesh.triangle_count;
-    counts.triangles_filled += list.triangles;
-    counts.contour_edges += list.edges;
   }
-  void collect(raster::Band& band) {
-    counts.tiles_filled += band.counts.tiles;
-    band.counts = {};
+  void collect(const Strip& strip) {
+    counts.triangles_filled += strip.triangles_filled;
+    counts.tiles_filled += strip.tiles_filled;
   }
 
-  /// Orders `waiting` and leaves out what lies outside of the image.
+  /// Fills `waiting` with what may lie in the image, the near ones first.
   void order(std::span<const OccluderInstance> occluders) {
     waiting.clear();
-    for (std::uint32_t i = 0; i < occluders.size(); ++i) {
-      const OccluderMesh& mesh = *occluders[i].mesh;
-      if (mesh.triangle_count == 0) continue;
-      const raster::Footprint f = view.footprint(world_bounds(mesh, occluders[i].transform));
-      if (!view.outside_image(f)) waiting.push_back({f.nearest, i});
+    std::array<Aabb, Rectangles::capacity> boxes;
+    Rectangles r;
+    for (std::size_t first = 0; first < occluders.size(); first += boxes.size()) {
+      const std::size_t here = std::min(boxes.size(), occluders.size() - first);
+      for (std::size_t i = 0; i < here; ++i) {
+        const OccluderInstance& occluder = occluders[first + i];
+        boxes[i] = occluder.mesh->triangle_count > 0 ? world_bounds(*occluder.mesh, occluder.transform) : Aabb();
+      }
+      kernels->project_boxes(query, floats(boxes.data()), here, r);
+      for (std::size_t i = 0; i < here; ++i)
+        if (const auto at = static_cast<std::uint32_t>(first + i); r.verdict[i] == raster::Verdict::ask)
+          waiting.push_back({r.near[i], at, r.x0[i], r.y0[i], r.x1[i], r.y1[i]});
+        else if (r.verdict[i] == raster::Verdict::seen)
+          waiting.push_back({std::numeric_limits<float>::infinity(), at, 0, 0, tiles.width, tiles.height});
     }
     std::sort(waiting.begin(), waiting.end(), [](const Waiting& a, const Waiting& b) {
-      return a.distance != b.distance ? a.distance < b.distance : a.index < b.index;
+      return a.near != b.near ? a.near > b.near : a.index < b.index;
     });
   }
 
@@ -176,45 +145,67 @@ struct OcclusionBuffer::State {
     return bounds;
   }
 
-  /// Draws the waiting ones from `at` on until a round is full: prepared side by side, drawn by bands of rows.
-  std::size_t draw_round(std::span<const OccluderInstance> occluders, std::size_t at, std::uint32_t most_triangles) {
-    std::uint32_t triangles = 0;
-    views.clear();
-    meshes.clear();
-    for (; at < waiting.size() && triangles < most_triangles; ++at) {
-      const OccluderInstance& occluder = occluders[waiting[at].index];
-      if (!seen(world_bounds(*occluder.mesh, occluder.transform), false)) continue;
+  /// Cuts the columns into so many strips of about the same work, fewer if there are not enough columns. The work is
+  /// guessed from the rectangles: a triangle of an occluder costs about as much as three tiles, and what lies behind
+  /// rectangles that fill a column costs nothing there.
+  void cut_strips(std::span<const OccluderInstance> occluders, std::size_t wanted) {
+    load.assign(static_cast<std::size_t>(tiles.across), 0.0f);
+    open.assign(load.size(), 1.0f);  // share of the column that is not covered yet
+    for (std::size_t i = 0; i < waiting.size() && wanted > 1; ++i) {
+      const Waiting& w = waiting[i];
+      const int first = w.x0 / raster::tile_size, last = (w.x1 - 1) / raster::tile_size;
+      const auto rows = static_cast<float>((w.y1 - w.y0) / raster::tile_size + 1);
+      const auto triangles = static_cast<float>(occluders[w.index].mesh->triangle_count);
+      const float each = 3.0f * triangles / static_cast<float>(last - first + 1) + rows;
+      const float covers = std::isfinite(w.near) ? rows / static_cast<float>(tiles.down) : 0.0f;
+      for (int column = first; column <= last; ++column) {
+        const auto c = static_cast<std::size_t>(column);
+        load[c] += each * open[c];
+        open[c] = std::max(0.0f, open[c] - covers);
+      }
+    }
+    std::partial_sum(load.begin(), load.end(), load.begin());
+    if (strips.size() < wanted) strips.resize(wanted);
+    used_strips = 0;
+    for (int first = 0, end = 0; first < tiles.across; first = end) {
+      const bool last = used_strips + 1 == wanted;
+      const float goal = load.back() * static_cast<float>(used_strips + 1) / static_cast<float>(wanted);
+      for (end = first + 1; end < tiles.across && (last || load[static_cast<std::size_t>(end)] <= goal);) ++end;
+      strips[used_strips++].begin(tiles, first, end - 1);
+    }
+  }
+
+  /// Draws what of the waiting ones lies in a strip.
+  void draw_strip(std::span<const OccluderInstance> occluders, std::size_t s) {
+    Strip& strip = strips[s];
+    const int left = strip.first_column * raster::tile_size;
+    const int right = std::min((strip.last_column + 1) * raster::tile_size, tiles.width);
+    for (std::size_t i = 0; i < waiting.size(); ++i) {
+      const Waiting& w = waiting[i];
+      const int x0 = std::max(w.x0, left), x1 = std::min(w.x1, right);
+      if (x0 >= x1 || (std::isfinite(w.near) && kernels->hides(tiles, x0, w.y0, x1, w.y1, w.near))) continue;
+      const OccluderInstance& occluder = occluders[w.index];
       const auto mesh_view = view.mesh_view(*occluder.mesh, occluder.transform);
       if (!mesh_view) continue;
-      views.push_back(*mesh_view);
-      meshes.push_back(occluder.mesh);
-      triangles += occluder.mesh->triangle_count;
+      drawn[s * waiting.size() + i] = 1;
+      kernels->draw(*occluder.mesh, *mesh_view, tiles, strip);
     }
-    if (slots.size() < views.size()) slots.resize(views.size());
-    // By reference, so that the std::function allocates nothing.
-    const auto prepare = [&](std::size_t begin, std::size_t end) {
-      for (std::size_t i = begin; i < end; ++i) {
-        slots[i].list.clear();
-        kernels->prepare(*meshes[i], views[i], tiles, slots[i].scratch, slots[i].list);
-      }
+  }
+
+  void draw_all(std::span<const OccluderInstance> occluders) {
+    order(occluders);
+    cut_strips(occluders, static_cast<std::size_t>(thread_count()));
+    drawn.assign(used_strips * waiting.size(), 0);
+    const auto draw_strips = [&](std::size_t begin, std::size_t end) {
+      for (std::size_t s = begin; s < end; ++s) draw_strip(occluders, s);
     };
-    parallel_blocks(views.size(), 1, std::ref(prepare));
-    for (std::size_t i = 0; i < views.size(); ++i) count(*meshes[i], slots[i].list);
-    order_surfaces();
-    const auto rows = static_cast<std::size_t>(tiles.down), threads = static_cast<std::size_t>(thread_count());
-    const std::size_t band_rows = threads > 1 ? std::max<std::size_t>(4, rows / (2 * threads)) : rows;
-    const std::size_t band_count = (rows + band_rows - 1) / band_rows;
-    if (bands.size() < band_count) bands.resize(band_count);
-    const auto draw_band = [&](std::size_t begin, std::size_t end) {
-      raster::Band& band = bands[begin / band_rows];
-      band.first_row = static_cast<int>(begin);
-      band.last_row = static_cast<int>(end) - 1;
-      for (const Surface& surface : surfaces)
-        kernels->draw(slots[surface.slot].list, surface.first, surface.last, tiles, band);
-    };
-    parallel_blocks(rows, band_rows, std::ref(draw_band));
-    for (std::size_t i = 0; i < band_count; ++i) collect(bands[i]);
-    return at;
+    parallel_blocks(used_strips, 1, std::ref(draw_strips));  // by reference: the std::function allocates nothing
+    for (std::size_t s = 0; s < used_strips; ++s) collect(strips[s]);
+    for (std::size_t i = 0; i < waiting.size(); ++i) {
+      bool any = false;
+      for (std::size_t s = 0; s < used_strips; ++s) any = any || drawn[s * waiting.size() + i] != 0;
+      if (any) count(*occluders[waiting[i].index].mesh);
+    }
   }
 };
 
@@ -241,16 +232,16 @@ void OcclusionBuffer::add_occluder(const OccluderMesh& mesh, const Affine& trans
   if (mesh.triangle_count == 0) return;
   // A rectangle that is hidden, or outside of the image, ends it here.
   if (!s.seen(State::world_bounds(mesh, transform), false)) return;
-  if (const auto mesh_view = s.view.mesh_view(mesh, transform)) s.draw(mesh, *mesh_view);
+  const auto mesh_view = s.view.mesh_view(mesh, transform);
+  if (!mesh_view) return;
+  Strip& strip = s.strips[0];
+  strip.begin(s.tiles, 0, s.tiles.across - 1);
+  s.kernels->draw(mesh, *mesh_view, s.tiles, strip);
+  s.count(mesh);
+  s.collect(strip);
 }
 
-void OcclusionBuffer::add_occluders(std::span<const OccluderInstance> occluders) {
-  State& s = *state_;
-  s.order(occluders);
-  std::uint32_t most_triangles = 4096;  // few at first: they hide the others
-  for (std::size_t at = 0; at < s.waiting.size(); most_triangles = std::min(2 * most_triangles, 65536u))
-    at = s.draw_round(occluders, at, most_triangles);
-}
+void OcclusionBuffer::add_occluders(std::span<const OccluderInstance> occluders) { state_->draw_all(occluders); }
 
 void OcclusionBuffer::add_occluder(std::span<const glm::vec3> positions, std::span<const glm::uvec3> triangles,
                                    const Affine& transform) {

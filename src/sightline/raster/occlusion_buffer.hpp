@@ -15,8 +15,10 @@
 
 namespace sightline {
 
+/// Since begin().
 struct OcclusionCounts {
-  std::uint64_t occluders = 0, occluder_triangles = 0, triangles_filled = 0, tiles_filled = 0, contour_edges = 0;
+  std::uint64_t occluders = 0, occluder_triangles = 0;   // those that were not hidden when their turn came
+  std::uint64_t triangles_filled = 0, tiles_filled = 0;  // summed over the threads' strips of columns: depend on these
 };
 
 /// What of a pixel must be hidden for it to count: all of its square, or its centre alone. The latter is for a buffer

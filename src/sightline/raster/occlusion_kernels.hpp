@@ -1,6 +1,6 @@
 // The inner loops of the occlusion buffer, one set for every SIMD target and a scalar one; all give the same bits (no
-// fused multiply-add, no reassociation). An occluder is first made into a list of what to draw (prepare), then the list
-// is drawn into a band of rows (draw), so that bands can be drawn by several threads. Internal to raster/.
+// fused multiply-add, no reassociation). An occluder is first made into a list of what to draw, then the list is drawn,
+// both within a strip of columns, so that strips can be drawn by several threads. Internal to raster/.
 #pragma once
 
 #include <cstddef>
@@ -20,24 +20,24 @@ inline constexpr int tile_pixels = tile_size * tile_size;  // lane l of a tile i
 /// -distance for orthographic ones (distance along the view direction, metres).
 inline constexpr float nothing_near = -std::numeric_limits<float>::infinity();
 
-/// The buffer: what is hidden so far, and the layer in which the current surface gathers the pixels that several of
-/// its triangles share. Between surfaces the layer, `covered`, `contour` and `listed` are empty.
+/// A cache line, so that vectors lie in one.
+struct alignas(64) TilePixels {
+  float lane[tile_pixels];
+};
+
+/// The buffer: what is hidden so far.
 struct Tiles {
-  int width = 0, height = 0;  // pixels
-  int across = 0, down = 0;   // tiles
-  std::vector<float> hidden;  // per pixel: everything of lesser nearness is hidden in the whole pixel square
-  std::vector<float> layer;   // per pixel: least nearness of the triangles of this surface that touch it; else +inf
-  std::vector<std::uint16_t> covered;  // per tile, bit per lane: the centre is covered by one of those triangles
-  std::vector<std::uint16_t> contour;  // per tile, bit per lane: a contour edge of this surface touches the pixel
-  std::vector<std::uint8_t> listed;    // per tile: is in the band's `touched`
-  std::vector<float> farthest;         // per tile: least `hidden` of its pixels within the image
+  int width = 0, height = 0;       // pixels
+  int across = 0, down = 0;        // tiles
+  std::vector<TilePixels> hidden;  // everything of lesser nearness is hidden in the whole pixel square
+  std::vector<float> farthest;     // per tile: least `hidden` of its pixels within the image
 
   /// Empties all.
   void resize(int new_width, int new_height);
   /// `hidden` of a pixel.
   [[nodiscard]] float at(int x, int y) const {
     const int tile = y / tile_size * across + x / tile_size, lane = y % tile_size * tile_size + x % tile_size;
-    return hidden[static_cast<std::size_t>(tile) * tile_pixels + static_cast<std::size_t>(lane)];
+    return hidden[static_cast<std::size_t>(tile)].lane[lane];
   }
 };
 
@@ -64,24 +64,27 @@ struct MeshView {
   /// Some vertices may lie too near or too far aside for floats: each is checked, and triangles with one that does are
   /// clipped in double precision, with margins of their own.
   bool partial = false;
-  float nearest = 0;     // distance from which on floats are right
-  float guard = 0;       // pixels from the image's centre
-  float error_w = 0;     // orthographic: largest sum of the products' sizes that still rounds to within the margin
-  float half_width = 0;  // pixels from the image's centre beyond which nothing matters
-  float half_height = 0;
+  float nearest = 0;  // distance from which on floats are right
+  float guard = 0;    // pixels from the image's centre
+  float error_w = 0;  // orthographic: largest sum of the products' sizes that still rounds to within the margin
+  float aside = 0;    // pixels from the image beyond which nothing matters
   ClipTransform clip;
   Margins clip_margins;
 };
 
-/// One side of one component of an occluder, or the part of it that shares margins. After the last part the surface is
-/// committed.
+/// One side of one component of an occluder, or the part of it that shares margins.
 struct Run {
   std::uint32_t first_triangle, last_triangle, first_edge, last_edge;  // [first, last)
   Margins margins;
   float nearest;            // nearness that nothing of the surface exceeds
   int first_row, last_row;  // tiles, inclusive
   int first_column, last_column;
-  bool last;
+};
+
+/// Runs [first, last) of a list that make up a surface.
+struct Surface {
+  float nearest;
+  std::uint32_t first, last;
 };
 
 /// What to draw: corners of triangles and ends of contour edges in pixels, as arrays that are reused.
@@ -89,6 +92,7 @@ struct DrawList {
   std::vector<float> x[3], y[3], near[3];
   std::vector<float> edge_x[2], edge_y[2];
   std::vector<Run> runs;
+  std::vector<Surface> surfaces;
   std::uint32_t triangles = 0, edges = 0;
 
   void clear();
@@ -96,21 +100,35 @@ struct DrawList {
   void reserve(std::size_t more_triangles, std::size_t more_edges);
 };
 
-struct FillCounts {
-  std::uint64_t tiles = 0;
-};
-
-/// A range of rows of tiles that one thread draws.
-struct Band {
-  int first_row = 0, last_row = 0;     // inclusive
-  std::vector<std::uint32_t> touched;  // tiles to commit after this surface
-  FillCounts counts;
-};
-
 /// Room for one occluder's projected vertices, facing and lists; grows, is reused.
 struct Scratch {
-  std::vector<float> x, y, near, w, valid, facing;
-  std::vector<std::int32_t> front, back, edges, clipped;
+  std::vector<float> x, y, near, facing;
+  std::vector<std::int32_t> code, front, back, edges, clipped;
+};
+
+/// Columns of tiles that one thread draws, and all that it writes but for the buffer itself. The layer gathers the
+/// pixels that several triangles of the current surface share; between surfaces it and what follows it are empty.
+struct Strip {
+  struct Touched {
+    std::uint32_t tile, place;
+  };
+  int first_column = 0, last_column = -1;  // inclusive
+  // By place, that is by tile of the strip.
+  std::vector<TilePixels> layer;       // least nearness of the surface's triangles that touch the pixel; else +inf
+  std::vector<std::uint16_t> covered;  // bit per lane: the centre is covered by one of those triangles
+  std::vector<std::uint16_t> contour;  // bit per lane: a contour edge of the surface touches the pixel
+  std::vector<std::uint8_t> listed;    // is in `touched`
+  std::vector<Touched> touched;        // tiles to commit after this surface
+  DrawList list;
+  Scratch scratch;
+  std::uint64_t triangles_filled = 0, tiles_filled = 0;
+
+  /// Columns first .. last of the tiles, with nothing drawn.
+  void begin(const Tiles& tiles, int first, int last);
+  [[nodiscard]] std::size_t place(int row, int column) const {
+    return static_cast<std::size_t>(row) * static_cast<std::size_t>(last_column - first_column + 1) +
+           static_cast<std::size_t>(column - first_column);
+  }
 };
 
 /// World space to pixels for queries, with what is needed to bound the error of the floats.
@@ -149,10 +167,8 @@ struct Hull {
 
 struct Kernels {
   const char* target;
-  /// Appends what a mesh draws.
-  void (*prepare)(const OccluderMesh&, const MeshView&, const Tiles&, Scratch&, DrawList&);
-  /// Draws runs [first, last), whole surfaces, within the band's rows.
-  void (*draw)(const DrawList&, std::size_t first, std::size_t last, Tiles&, Band&);
+  /// Draws what of a mesh lies in the strip.
+  void (*draw)(const OccluderMesh&, const MeshView&, Tiles&, Strip&);
   /// True if every pixel of [x0, x1) x [y0, y1) hides what is of nearness `near`. The rectangle lies within the image.
   bool (*hides)(const Tiles&, int x0, int y0, int x1, int y1, float near);
   bool (*hides_hull)(const Tiles&, const Hull&);

@@ -17,16 +17,20 @@
 HWY_BEFORE_NAMESPACE();
 namespace sightline::raster::HWY_NAMESPACE {
 
-HWY_INLINE void touch(Tiles& tiles, Band& band, std::size_t tile) {
-  if (tiles.listed[tile] != 0) return;
-  tiles.listed[tile] = 1;
-  band.touched.push_back(static_cast<std::uint32_t>(tile));
+HWY_INLINE void touch(Strip& strip, std::size_t tile, std::size_t place) {
+  if (strip.listed[place] != 0) return;
+  strip.listed[place] = 1;
+  strip.touched.push_back({static_cast<std::uint32_t>(tile), static_cast<std::uint32_t>(place)});
 }
 
 /// Columns or rows of tiles; empty if first > last.
 struct TileRange {
   int first, last;
 };
+
+HWY_INLINE TileRange within(TileRange range, const Strip& strip) {
+  return {std::max(range.first, strip.first_column), std::min(range.last, strip.last_column)};
+}
 
 /// Those that pixels from low to high (real coordinates) fall in, clamped to the image.
 HWY_INLINE TileRange tile_range(float low, float high, int pixels) {
@@ -86,7 +90,7 @@ inline constexpr float box_slack = 0.004f;
 /// One triangle in the tile loops.
 class TriangleFill {
  public:
-  HWY_INLINE TriangleFill(const Setups& s, std::size_t t, const Run& run, Tiles& tiles, Band& band)
+  HWY_INLINE TriangleFill(const Setups& s, std::size_t t, const Run& run, Tiles& tiles, Strip& strip)
       : edges_{{s.a[0][t], s.b[0][t], s.x[0][t], s.y[0][t]},
                {s.a[1][t], s.b[1][t], s.x[1][t], s.y[1][t]},
                {s.a[2][t], s.b[2][t], s.x[2][t], s.y[2][t]}},
@@ -100,7 +104,7 @@ class TriangleFill {
         box_high_y_(s.high_y[t] + box_slack),
         nearest_(run.nearest),
         tiles_(tiles),
-        band_(band) {
+        strip_(strip) {
     const Float d;
     for (std::size_t l = 0; l < tile_pixels; l += float_lanes()) {
       const auto lx = hn::Load(d, lane_x + l), ly = hn::Load(d, lane_y + l);
@@ -113,8 +117,9 @@ class TriangleFill {
     largest_step_ = std::max(std::max(n[0], n[3]), std::max(n[12], n[15]));
   }
 
-  HWY_INLINE void rows(TileRange columns, TileRange rows) {
-    if (columns.last - columns.first <= 2) {
+  HWY_INLINE void rows(TileRange all_columns, TileRange rows) {
+    const TileRange columns = within(all_columns, strip_);
+    if (all_columns.last - all_columns.first <= 2) {  // whatever the strip, so that the same tiles count as filled
       for (int row = rows.first; row <= rows.last; ++row)
         for (int column = columns.first; column <= columns.last; ++column) any_tile(row, column);
       return;
@@ -160,13 +165,13 @@ class TriangleFill {
         near_at(static_cast<float>(column * tile_size) + 0.5f, static_cast<float>(row * tile_size) + 0.5f);
     float& farthest = tiles_.farthest[tile];
     if (farthest >= std::max(near0 + largest_step_, least_)) return;
-    ++band_.counts.tiles;
+    ++strip_.tiles_filled;
     const Float d;
     const auto near = hn::Set(d, near0), least = hn::Set(d, least_);
-    float* hidden = tiles_.hidden.data() + tile * tile_pixels;
+    float* hidden = tiles_.hidden[tile].lane;
     for (std::size_t l = 0; l < tile_pixels; l += float_lanes()) {
       const auto here = hn::Max(hn::Add(near, hn::Load(d, near_step_ + l)), least);
-      hn::StoreU(hn::Max(hn::LoadU(d, hidden + l), here), d, hidden + l);
+      hn::Store(hn::Max(hn::Load(d, hidden + l), here), d, hidden + l);
     }
     farthest = std::max(farthest, std::max(near0 + least_step_, least_));
   }
@@ -179,29 +184,28 @@ class TriangleFill {
     const float near0 = near_at(x, y);
     const auto at0 = hn::Set(d, at(edges_[0], x, y)), at1 = hn::Set(d, at(edges_[1], x, y)),
                at2 = hn::Set(d, at(edges_[2], x, y));
-    const auto inside_of = [&](std::size_t l) SIGHTLINE_INLINE_LAMBDA {
-      return min3(hn::Add(at0, hn::Load(d, edge_step_[0] + l)), hn::Add(at1, hn::Load(d, edge_step_[1] + l)),
-                  hn::Add(at2, hn::Load(d, edge_step_[2] + l)));
-    };
-    // Least and most of all lanes: no branch per vector, of which the machine foresees too few.
-    auto least_inside = inside_of(0), most_inside = least_inside;
-    for (std::size_t l = float_lanes(); l < tile_pixels; l += float_lanes()) {
-      least_inside = hn::Min(least_inside, inside_of(l));
-      most_inside = hn::Max(most_inside, inside_of(l));
+    HWY_ALIGN float inside[tile_pixels];  // of all edges, least
+    auto least_inside = hn::Set(d, std::numeric_limits<float>::infinity()), most_inside = hn::Neg(least_inside);
+    for (std::size_t l = 0; l < tile_pixels; l += float_lanes()) {
+      const auto here = min3(hn::Add(at0, hn::Load(d, edge_step_[0] + l)), hn::Add(at1, hn::Load(d, edge_step_[1] + l)),
+                             hn::Add(at2, hn::Load(d, edge_step_[2] + l)));
+      hn::Store(here, d, inside + l);
+      least_inside = hn::Min(least_inside, here);
+      most_inside = hn::Max(most_inside, here);
     }
     const auto all_inside = hn::Set(d, 1.0f), outside = hn::Set(d, -1.0f);
     if (hn::AllFalse(d, hn::Ge(most_inside, outside))) return;
-    ++band_.counts.tiles;
+    ++strip_.tiles_filled;
     const auto near_here = hn::Set(d, near0), least = hn::Set(d, least_);
     const auto near_of = [&](std::size_t l) SIGHTLINE_INLINE_LAMBDA {
       return hn::Max(hn::Add(near_here, hn::Load(d, near_step_ + l)), least);
     };
     if (!hn::AllFalse(d, hn::Ge(most_inside, all_inside))) {  // some pixels are covered wholly
-      float* hidden = tiles_.hidden.data() + tile * tile_pixels;
+      float* hidden = tiles_.hidden[tile].lane;
       for (std::size_t l = 0; l < tile_pixels; l += float_lanes()) {
-        const auto old = hn::LoadU(d, hidden + l);
-        const auto whole = hn::Ge(inside_of(l), all_inside);
-        hn::StoreU(hn::IfThenElse(whole, hn::Max(old, near_of(l)), old), d, hidden + l);
+        const auto old = hn::Load(d, hidden + l);
+        const auto whole = hn::Ge(hn::Load(d, inside + l), all_inside);
+        hn::Store(hn::IfThenElse(whole, hn::Max(old, near_of(l)), old), d, hidden + l);
       }
       if (hn::AllTrue(d, hn::Ge(least_inside, all_inside))) {
         tiles_.farthest[tile] = std::max(tiles_.farthest[tile], std::max(near0 + least_step_, least_));
@@ -209,24 +213,25 @@ class TriangleFill {
       }
     }
     // Pixels that this triangle covers in part.
-    float* layer = tiles_.layer.data() + tile * tile_pixels;
+    const std::size_t place = strip_.place(row, column);
+    float* layer = strip_.layer[place].lane;
     std::uint32_t covered = 0;
     const auto limit = [&](float value) SIGHTLINE_INLINE_LAMBDA { return hn::Set(d, value); };
     const auto left = limit(box_low_x_ - x), right = limit(box_high_x_ - x), top = limit(box_low_y_ - y),
                bottom = limit(box_high_y_ - y);
     for (std::size_t l = 0; l < tile_pixels; l += float_lanes()) {
-      const auto inside = inside_of(l);
-      const auto shared = hn::AndNot(hn::Ge(inside, all_inside), hn::Ge(inside, outside));
-      const auto gathered = hn::LoadU(d, layer + l);
-      hn::StoreU(hn::IfThenElse(shared, hn::Min(gathered, near_of(l)), gathered), d, layer + l);
+      const auto here = hn::Load(d, inside + l);
+      const auto shared = hn::AndNot(hn::Ge(here, all_inside), hn::Ge(here, outside));
+      const auto gathered = hn::Load(d, layer + l);
+      hn::Store(hn::IfThenElse(shared, hn::Min(gathered, near_of(l)), gathered), d, layer + l);
       const auto px = hn::Load(d, lane_x + l), py = hn::Load(d, lane_y + l);
       const auto in_box =
           hn::And(hn::And(hn::Ge(px, left), hn::Le(px, right)), hn::And(hn::Ge(py, top), hn::Le(py, bottom)));
-      const auto centre = hn::And(hn::And(shared, hn::Ge(inside, hn::Set(d, -edge_slack))), in_box);
+      const auto centre = hn::And(hn::And(shared, hn::Ge(here, hn::Set(d, -edge_slack))), in_box);
       covered |= bits_of(d, centre) << l;
     }
-    tiles_.covered[tile] = static_cast<std::uint16_t>(tiles_.covered[tile] | covered);
-    touch(tiles_, band_, tile);
+    strip_.covered[place] = static_cast<std::uint16_t>(strip_.covered[place] | covered);
+    touch(strip_, tile, place);
   }
 
   Edge edges_[3];
@@ -235,21 +240,20 @@ class TriangleFill {
   float nearest_;
   float least_step_, largest_step_;
   Tiles& tiles_;
-  Band& band_;
+  Strip& strip_;
   HWY_ALIGN float edge_step_[3][tile_pixels];
   HWY_ALIGN float near_step_[tile_pixels];
 };
 
 /// Marks every pixel whose square, widened by the margin, the segment touches (separating axes: x, y, its normal).
-HWY_INLINE void mark(const DrawList& list, std::size_t e, const Run& run, Tiles& tiles, Band& band) {
+HWY_INLINE void mark(const DrawList& list, std::size_t e, const Run& run, Tiles& tiles, Strip& strip) {
   const Float d;
   const float margin = run.margins.pixels, square = run.margins.square;
   const float px = list.edge_x[0][e], py = list.edge_y[0][e], qx = list.edge_x[1][e], qy = list.edge_y[1][e];
   const float low_x = std::min(px, qx) - margin, high_x = std::max(px, qx) + margin;
   const float low_y = std::min(py, qy) - margin, high_y = std::max(py, qy) + margin;
-  const TileRange columns = tile_range(low_x, high_x, tiles.width);
-  TileRange rows = tile_range(low_y, high_y, tiles.height);
-  rows = {std::max(rows.first, band.first_row), std::min(rows.last, band.last_row)};
+  const TileRange columns = within(tile_range(low_x, high_x, tiles.width), strip);
+  const TileRange rows = tile_range(low_y, high_y, tiles.height);
   if (columns.first > columns.last || rows.first > rows.last) return;
   const float a = py - qy, b = qx - px, length = std::abs(a) + std::abs(b);
   const float scale =
@@ -284,35 +288,36 @@ HWY_INLINE void mark(const DrawList& list, std::size_t e, const Run& run, Tiles&
         bits |= bits_of(d, hit) << l;
       }
       if (bits == 0) continue;
-      tiles.contour[tile] = static_cast<std::uint16_t>(tiles.contour[tile] | bits);
-      touch(tiles, band, tile);
+      const std::size_t place = strip.place(row, column);
+      strip.contour[place] = static_cast<std::uint16_t>(strip.contour[place] | bits);
+      touch(strip, tile, place);
     }
   }
 }
 
 /// Ends a surface: what its layer proves goes into `hidden`.
-HWY_INLINE void commit(Tiles& tiles, Band& band) {
+HWY_INLINE void commit(Tiles& tiles, Strip& strip) {
   const Float d;
   const auto empty = hn::Set(d, std::numeric_limits<float>::infinity());
-  for (const std::uint32_t tile : band.touched) {
-    const auto proven = static_cast<std::uint32_t>(tiles.covered[tile] & ~tiles.contour[tile]);
+  for (const auto [tile, place] : strip.touched) {
+    const auto proven = static_cast<std::uint32_t>(strip.covered[place] & ~strip.contour[place]);
     auto farthest = empty;
     for (std::size_t l = 0; l < tile_pixels; l += float_lanes()) {
-      float* layer = tiles.layer.data() + tile * tile_pixels + l;
-      float* hidden = tiles.hidden.data() + tile * tile_pixels + l;
+      float* layer = strip.layer[place].lane + l;
+      float* hidden = tiles.hidden[tile].lane + l;
       std::uint8_t bytes[8] = {static_cast<std::uint8_t>(proven >> l), static_cast<std::uint8_t>(proven >> l >> 8)};
       const auto mask = hn::LoadMaskBits(d, bytes);
-      auto now = hn::LoadU(d, hidden);
-      now = hn::IfThenElse(mask, hn::Max(now, hn::LoadU(d, layer)), now);
-      hn::StoreU(now, d, hidden);
-      hn::StoreU(empty, d, layer);
+      auto now = hn::Load(d, hidden);
+      now = hn::IfThenElse(mask, hn::Max(now, hn::Load(d, layer)), now);
+      hn::Store(now, d, hidden);
+      hn::Store(empty, d, layer);
       farthest = hn::Min(farthest, now);
     }
     tiles.farthest[tile] = hn::GetLane(hn::MinOfLanes(d, farthest));
-    tiles.covered[tile] = tiles.contour[tile] = 0;
-    tiles.listed[tile] = 0;
+    strip.covered[place] = strip.contour[place] = 0;
+    strip.listed[place] = 0;
   }
-  band.touched.clear();
+  strip.touched.clear();
 }
 
 /// True if every tile of the ranges hides what is of nearness `near`.
@@ -332,31 +337,36 @@ HWY_INLINE bool hides_tiles(const Tiles& tiles, TileRange columns, TileRange row
   return true;
 }
 
-HWY_INLINE void draw_run(const DrawList& list, const Run& run, Tiles& tiles, Band& band) {
+HWY_INLINE void draw_run(const DrawList& list, const Run& run, Tiles& tiles, Strip& strip) {
   Setups setups;
   for (std::size_t first = run.first_triangle; first < run.last_triangle; first += tile_pixels) {
     const std::size_t count = std::min<std::size_t>(tile_pixels, run.last_triangle - first);
     setups.valid = 0;
-    for (std::size_t l = 0; l < count; l += float_lanes()) set_up(list, first, run.margins, tiles, band, l, setups);
+    for (std::size_t l = 0; l < count; l += float_lanes()) set_up(list, first, run.margins, tiles, strip, l, setups);
     std::uint32_t valid = setups.valid & (0xFFFFu >> (tile_pixels - count));
     for (std::size_t t = 0; valid != 0; ++t, valid >>= 1) {
       if ((valid & 1u) == 0) continue;
-      TriangleFill(setups, t, run, tiles, band)
-          .rows({setups.first_column[t], setups.last_column[t]},
-                {std::max(setups.first_row[t], band.first_row), std::min(setups.last_row[t], band.last_row)});
+      TriangleFill(setups, t, run, tiles, strip)
+          .rows({setups.first_column[t], setups.last_column[t]}, {setups.first_row[t], setups.last_row[t]});
     }
   }
-  for (std::size_t e = run.first_edge; e < run.last_edge; ++e) mark(list, e, run, tiles, band);
+  for (std::size_t e = run.first_edge; e < run.last_edge; ++e) mark(list, e, run, tiles, strip);
 }
 
-inline void draw(const DrawList& list, std::size_t first, std::size_t last, Tiles& tiles, Band& band) {
-  for (std::size_t r = first; r < last; ++r) {
-    const Run& run = list.runs[r];
-    const TileRange rows{std::max(run.first_row, band.first_row), std::min(run.last_row, band.last_row)};
-    // What was drawn since it was prepared may hide it by now; a surface with clipped parts is near without bound.
-    if (rows.first <= rows.last && !hides_tiles(tiles, {run.first_column, run.last_column}, rows, run.nearest))
-      draw_run(list, run, tiles, band);
-    if (run.last && !band.touched.empty()) commit(tiles, band);
+/// Draws the strip's list, the near surfaces first: they spare the work for the others.
+HWY_INLINE void draw_list(Tiles& tiles, Strip& strip) {
+  DrawList& list = strip.list;
+  std::sort(list.surfaces.begin(), list.surfaces.end(), [](const Surface& a, const Surface& b) {
+    return a.nearest != b.nearest ? a.nearest > b.nearest : a.first < b.first;
+  });
+  for (const Surface& surface : list.surfaces) {
+    for (std::size_t r = surface.first; r < surface.last; ++r) {
+      const Run& run = list.runs[r];
+      // What was drawn since it was prepared may hide it by now; a surface with clipped parts is near without bound.
+      if (!hides_tiles(tiles, {run.first_column, run.last_column}, {run.first_row, run.last_row}, run.nearest))
+        draw_run(list, run, tiles, strip);
+    }
+    commit(tiles, strip);
   }
 }
 

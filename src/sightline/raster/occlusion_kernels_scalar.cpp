@@ -3,20 +3,22 @@
 #include <hwy/highway.h>
 
 #include <algorithm>
+#include <functional>
 
+#include "sightline/parallel/parallel.hpp"
 #include "sightline/raster/occlusion_prepare.inl.hpp"
 
 namespace sightline::raster {
 
 const Kernels& scalar_kernels() {
   namespace scalar = HWY_NAMESPACE;
-  static const Kernels kernels{"scalar",      scalar::prepare,    scalar::draw,
-                               scalar::hides, scalar::hides_hull, scalar::project_boxes};
+  static const Kernels kernels{"scalar", scalar::draw, scalar::hides, scalar::hides_hull, scalar::project_boxes};
   return kernels;
 }
 
 void DrawList::clear() {
   runs.clear();
+  surfaces.clear();
   triangles = edges = 0;
 }
 
@@ -34,31 +36,43 @@ void DrawList::reserve(std::size_t more_triangles, std::size_t more_edges) {
 }
 
 void Tiles::resize(int new_width, int new_height) {
-  const bool same = width == new_width && height == new_height;
   width = new_width;
   height = new_height;
   across = (width + tile_size - 1) / tile_size;
   down = (height + tile_size - 1) / tile_size;
   const auto count = static_cast<std::size_t>(across) * static_cast<std::size_t>(down);
   constexpr std::size_t padding = tile_pixels;  // of `farthest`, which is read by whole vectors across tiles
-  hidden.resize(count * tile_pixels);
+  hidden.resize(count);
   farthest.resize(count + padding);
-  std::fill(hidden.begin(), hidden.end(), nothing_near);
+  constexpr std::size_t clear_together = 8192;  // half a megabyte
+  const auto clear = [&](std::size_t begin, std::size_t end) {
+    for (std::size_t tile = begin; tile < end; ++tile) std::fill_n(hidden[tile].lane, tile_pixels, nothing_near);
+  };
+  parallel_blocks(count, clear_together, std::ref(clear));
   std::fill(farthest.begin(), farthest.end(), nothing_near);
   // Pixels of the last tiles that lie beyond the image must not keep a tile from counting as hidden.
   for (int row = 0; row < down; ++row)
     for (int column = 0; column < across; ++column) {
       if (column < across - 1 && row < down - 1) column = across - 1;
-      float* pixels = hidden.data() + static_cast<std::size_t>(row * across + column) * tile_pixels;
+      float* pixels = hidden[static_cast<std::size_t>(row * across + column)].lane;
       for (int lane = 0; lane < tile_pixels; ++lane)
         if (column * tile_size + lane % tile_size >= width || row * tile_size + lane / tile_size >= height)
           pixels[lane] = std::numeric_limits<float>::infinity();
     }
-  if (same) return;  // drawing leaves the rest empty
-  layer.assign(count * tile_pixels, std::numeric_limits<float>::infinity());
-  covered.assign(count, 0);
-  contour.assign(count, 0);
-  listed.assign(count, 0);
+}
+
+void Strip::begin(const Tiles& tiles, int first, int last) {
+  first_column = first;
+  last_column = last;
+  triangles_filled = tiles_filled = 0;
+  const std::size_t places = place(tiles.down, first);
+  if (layer.size() >= places) return;  // drawing leaves it empty
+  TilePixels empty;
+  std::fill_n(empty.lane, tile_pixels, std::numeric_limits<float>::infinity());
+  layer.assign(places, empty);
+  covered.assign(places, 0);
+  contour.assign(places, 0);
+  listed.assign(places, 0);
 }
 
 }  // namespace sightline::raster

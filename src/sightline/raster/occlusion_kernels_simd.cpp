@@ -12,7 +12,7 @@ HWY_BEFORE_NAMESPACE();
 namespace sightline::raster::HWY_NAMESPACE {
 
 inline const Kernels* table() {
-  static const Kernels kernels{hwy::TargetName(HWY_TARGET), prepare, draw, hides, hides_hull, project_boxes};
+  static const Kernels kernels{hwy::TargetName(HWY_TARGET), draw, hides, hides_hull, project_boxes};
   return &kernels;
 }
 

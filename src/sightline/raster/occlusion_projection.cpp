@@ -201,19 +201,19 @@ std::optional<MeshView> ViewTransform::mesh_view(const OccluderMesh& mesh, const
   m.screen.centre_y = static_cast<float>(centre_y);
   m.screen.perspective = perspective;
   m.partial = !within_guard(f, mesh, rows, mesh_eye);
+  const Margins widest = margins(f.nearest, f.spread, rounding);
+  m.aside = 2.0f + widest.pixels;
   if (!m.partial) {
-    m.margins = margins(f.nearest, f.spread, rounding);
+    m.margins = widest;
     return m;
   }
   // Nearer than this the rounding of vertices in world space would widen the margins of all the rest.
   const double nearest = std::max(near * (1.0 + 1e-5), perspective ? 16.0 * rounding * pixels_per_unit : 0.0);
   m.nearest = static_cast<float>(nearest * (1.0 + 1e-6));
   m.margins = margins(nearest, f.spread, rounding);
-  m.clip_margins = margins(f.nearest, f.spread, rounding);
+  m.clip_margins = widest;
   m.guard = static_cast<float>(0.5 * float_guard);
   m.error_w = static_cast<float>(perspective ? 0x1p21 * base_share : 0x1p21 * base_spread * f.spread);
-  m.half_width = static_cast<float>(0.5 * width + 2.0);
-  m.half_height = static_cast<float>(0.5 * height + 2.0);
   const double guard = std::max<double>(float_guard, std::max(width, height));
   m.clip = {rows, local.rows * from_eye, {centre_x, centre_y}, near, guard, perspective};
   return m;

@@ -21,7 +21,7 @@ HWY_INLINE bool open_pixels(const Tiles& tiles, std::size_t tile, int column, in
              first_y = hn::Set(d, static_cast<float>(row * tile_size));
   for (std::size_t l = 0; l < tile_pixels; l += float_lanes()) {
     const auto px = hn::Add(first_x, hn::Load(d, lane_x + l)), py = hn::Add(first_y, hn::Load(d, lane_y + l));
-    auto open = hn::Le(hn::LoadU(d, tiles.hidden.data() + tile * tile_pixels + l), hn::Set(d, near));
+    auto open = hn::Le(hn::Load(d, tiles.hidden[tile].lane + l), hn::Set(d, near));
     open = hn::And(
         open, hn::And(hn::Ge(px, hn::Set(d, static_cast<float>(x0))), hn::Lt(px, hn::Set(d, static_cast<float>(x1)))));
     open = hn::And(
@@ -72,7 +72,7 @@ inline bool hides_hull(const Tiles& tiles, const Hull& hull) {
         auto near = hn::Set(d, hull.near);
         for (int i = 0; i < hull.planes; ++i)
           near = hn::Min(near, affine(hull.plane_a[i], hull.plane_b[i], hull.plane_c[i], px, py));
-        auto open = hn::Le(hn::LoadU(d, tiles.hidden.data() + tile * tile_pixels + l), near);
+        auto open = hn::Le(hn::Load(d, tiles.hidden[tile].lane + l), near);
         if (hn::AllFalse(d, open)) continue;
         open = hn::And(open, hn::And(hn::Ge(px, left), hn::Lt(px, right)));
         open = hn::And(open, hn::And(hn::Ge(py, top), hn::Lt(py, bottom)));

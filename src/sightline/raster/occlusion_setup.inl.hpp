@@ -52,7 +52,7 @@ struct Setups {
       high_y[tile_pixels];  // box of the corners
   HWY_ALIGN std::int32_t first_column[tile_pixels], last_column[tile_pixels], first_row[tile_pixels],
       last_row[tile_pixels];
-  std::uint32_t valid;  // bit per triangle: it has an area and may touch the band
+  std::uint32_t valid;  // bit per triangle: it has an area and may touch the strip
 };
 
 template <class V>
@@ -66,7 +66,7 @@ HWY_INLINE V max3(V a, V b, V c) {
 
 /// Lanes [l, l + N) of the setups, of the triangles from `first` on.
 HWY_INLINE void set_up(const DrawList& list, std::size_t first, const Margins& margins, const Tiles& tiles,
-                       const Band& band, std::size_t l, Setups& out) {
+                       const Strip& strip, std::size_t l, Setups& out) {
   const Float d;
   const Int di;
   const auto zero = hn::Zero(d), one = hn::Set(d, 1.0f), margin = hn::Set(d, margins.pixels);
@@ -75,14 +75,10 @@ HWY_INLINE void set_up(const DrawList& list, std::size_t first, const Margins& m
   const auto x0 = load(list.x[0]), x1 = load(list.x[1]), x2 = load(list.x[2]);
   const auto y0 = load(list.y[0]), y1 = load(list.y[1]), y2 = load(list.y[2]);
   const auto low_y = min3(y0, y1, y2), high_y = max3(y0, y1, y2);
-  const auto band_top = hn::Set(d, static_cast<float>(band.first_row * tile_size));
-  const auto band_bottom = hn::Set(d, static_cast<float>((band.last_row + 1) * tile_size));
-  auto valid = hn::And(hn::Lt(hn::Sub(low_y, margin), band_bottom), hn::Ge(hn::Add(high_y, margin), band_top));
-  if (hn::AllFalse(d, valid)) return;
   const auto n0 = load(list.near[0]), n1 = load(list.near[1]), n2 = load(list.near[2]);
   const auto ux = hn::Sub(x1, x0), uy = hn::Sub(y1, y0), vx = hn::Sub(x2, x0), vy = hn::Sub(y2, y0);
   const auto area = hn::Sub(hn::Mul(ux, vy), hn::Mul(vx, uy));
-  valid = hn::And(valid, hn::Gt(hn::Abs(area), zero));
+  auto valid = hn::Gt(hn::Abs(area), zero);
 
   const auto sign = hn::IfThenElse(hn::Gt(area, zero), one, hn::Neg(one));
   const auto edge = [&](int i, auto from_x, auto from_y, auto to_x, auto to_y) SIGHTLINE_INLINE_LAMBDA {
@@ -133,7 +129,10 @@ HWY_INLINE void set_up(const DrawList& list, std::size_t first, const Margins& m
   };
   range(min3(x0, x1, x2), max3(x0, x1, x2), tiles.width, out.low_x, out.high_x, out.first_column, out.last_column);
   range(low_y, high_y, tiles.height, out.low_y, out.high_y, out.first_row, out.last_row);
-  out.valid |= bits_of(d, valid) << l;
+  const auto column = [&](const std::int32_t* columns) SIGHTLINE_INLINE_LAMBDA { return hn::Load(di, columns + l); };
+  const auto beside = hn::Or(hn::Gt(column(out.first_column), hn::Set(di, strip.last_column)),
+                             hn::Lt(column(out.last_column), hn::Set(di, strip.first_column)));
+  out.valid |= bits_of(d, hn::AndNot(hn::RebindMask(d, beside), valid)) << l;
 }
 
 }  // namespace sightline::raster::HWY_NAMESPACE
