@@ -14,18 +14,20 @@
 namespace sightline {
 namespace {
 
+glm::mat3 linear_part(const Object& object) { return glm::mat3(object.transform); }
+
 /// The fences of every opaque object: found once for each mesh and linear map, then moved to where the object stands.
 class SceneFences {
  public:
-  explicit SceneFences(const Scene& scene) : set_of_(scene.objects().size(), none) {
+  explicit SceneFences(const Scene& scene) : scene_(scene), set_of_(scene.objects().size(), none) {
     std::vector<ObjectId> order;
     for (ObjectId id = 0; id < scene.objects().size(); ++id)
       if (scene.objects()[id].opaque && !scene.objects()[id].bounds.empty()) order.push_back(id);
     const auto key = [&](ObjectId id) {
-      const Object& o = scene.objects()[id];
+      const glm::mat3 linear = linear_part(scene.objects()[id]);
       std::array<float, 9> k{};
-      for (int i = 0; i < 9; ++i) k[static_cast<std::size_t>(i)] = o.transform[i / 3][i % 3];
-      return std::pair(o.mesh, k);
+      for (int i = 0; i < 9; ++i) k[static_cast<std::size_t>(i)] = linear[i / 3][i % 3];
+      return std::pair(scene.objects()[id].mesh, k);
     };
     std::stable_sort(order.begin(), order.end(), [&](ObjectId a, ObjectId b) { return key(a) < key(b); });
     std::vector<ObjectId> first;
@@ -34,24 +36,51 @@ class SceneFences {
       set_of_[order[i]] = static_cast<std::uint32_t>(first.size() - 1);
     }
     sets_.resize(first.size());
-    parallel_blocks(first.size(), 8, [&](std::size_t begin, std::size_t end) {
-      for (std::size_t i = begin; i < end; ++i) {
-        const Object& o = scene.objects()[first[i]];
-        sets_[i] = find_wall_fences(scene.meshes()[o.mesh], glm::dmat3(to_matrix(o.transform)));
-      }
-    });
+    shared_ = sets_.size();
+    find(first);
+  }
+
+  /// An object that was turned gets a set of its own, once and for all: it may turn again.
+  void follow() {
+    std::vector<ObjectId> turned;
+    for (ObjectId id = 0; id < set_of_.size(); ++id) {
+      if (set_of_[id] == none || sets_[set_of_[id]].linear == linear_part(scene_.objects()[id])) continue;
+      turned.push_back(id);
+      if (set_of_[id] >= shared_) continue;
+      set_of_[id] = static_cast<std::uint32_t>(sets_.size());
+      sets_.emplace_back();
+    }
+    find(turned);
   }
 
   /// nullptr if the object has no wall.
   [[nodiscard]] const WallFences* of(ObjectId id) const {
-    if (set_of_[id] == none || sets_[set_of_[id]].fences.empty()) return nullptr;
-    return &sets_[set_of_[id]];
+    if (set_of_[id] == none || sets_[set_of_[id]].walls.fences.empty()) return nullptr;
+    return &sets_[set_of_[id]].walls;
   }
 
  private:
+  struct Set {
+    glm::mat3 linear{0.0f};  // from the mesh to the world
+    WallFences walls;
+  };
+
+  /// The sets of these objects, each another one.
+  void find(const std::vector<ObjectId>& ids) {
+    parallel_blocks(ids.size(), 8, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t i = begin; i < end; ++i) {
+        const Object& object = scene_.objects()[ids[i]];
+        const glm::mat3 linear = linear_part(object);
+        sets_[set_of_[ids[i]]] = {linear, find_wall_fences(scene_.meshes()[object.mesh], glm::dmat3(linear))};
+      }
+    });
+  }
+
   static constexpr std::uint32_t none = 0xFFFFFFFFu;
+  const Scene& scene_;
   std::vector<std::uint32_t> set_of_;
-  std::vector<WallFences> sets_;
+  std::vector<Set> sets_;
+  std::size_t shared_ = 0;  // sets that several objects may have; those after them belong to one each
 };
 
 /// Numbers by distance, the least first, equal ones by number. Distance and number are one integer, so that an
@@ -95,7 +124,8 @@ constexpr std::uint32_t few = 32;
 class OcclusionHorizon final : public Culler {
  public:
   OcclusionHorizon(const IndexedScene& scene, int columns, bool boxes)
-      : scene_(scene.scene),
+      : indexed_(scene),
+        scene_(scene.scene),
         bvh_(scene.bvh),
         columns_(columns),
         boxes_(boxes),
@@ -133,6 +163,14 @@ class OcclusionHorizon final : public Culler {
       else if (all_ || candidates.contains(bvh_.items[box.index]))
         take_object(box, visible);
     }
+  }
+
+  bool follow_scene() override {
+    node_boxes_ = BoxArrays(node_bounds(bvh_));
+    item_boxes_ = BoxArrays(bounds_in_tree_order(indexed_));
+    reach_ = reach(scene_.bounds());
+    if (fences_) fences_->follow();
+    return true;
   }
 
   [[nodiscard]] bool approximate() const override { return boxes_; }
@@ -195,6 +233,7 @@ class OcclusionHorizon final : public Culler {
     horizon_.add(fence, glm::dvec3(0.0), 0.0);
   }
 
+  const IndexedScene& indexed_;
   const Scene& scene_;
   const Bvh& bvh_;
   int columns_;
