@@ -51,6 +51,12 @@ double parse_positive(std::string_view option, std::string_view text, bool may_b
   return value;
 }
 
+double parse_share(std::string_view option, std::string_view text) {
+  double value = 0.0;
+  if (!read_all(text, value) || !(value >= 0.0 && value <= 1.0)) refuse(option, text, "a share from 0 to 1");
+  return value;
+}
+
 glm::dvec3 parse_vector(std::string_view option, std::string_view text) {
   const auto parts = split(text, ',');
   glm::dvec3 value{0.0};

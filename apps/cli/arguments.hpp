@@ -22,6 +22,9 @@ double parse_finite(std::string_view option, std::string_view text);
 /// A number above zero; "inf" only if `may_be_infinite`.
 double parse_positive(std::string_view option, std::string_view text, bool may_be_infinite = false);
 
+/// A number from 0 to 1.
+double parse_share(std::string_view option, std::string_view text);
+
 /// "x,y,z", finite.
 glm::dvec3 parse_vector(std::string_view option, std::string_view text);
 

@@ -59,10 +59,9 @@ int run_compare(const CompareOptions& options) {
   JsonOutput output(options.common);
   if (!options.report.empty()) prepare_report(options.report);
 
-  const LoadedScene loaded = open_scene(options.scene, options.common);
+  LoadedScene loaded = open_scene(options.scene, options.common);
   const CameraPath path = open_path(options.path, options.camera, loaded, options.common.seed);
-  const IndexedScene indexed = index_scene(loaded.scene);
-  const Oracle oracle(loaded.scene);
+  WalkScene scene(loaded.scene, 0.0, options.common.seed, true);
 
   WalkReport report;
   report.scene_name = options.scene;
@@ -72,7 +71,7 @@ int run_compare(const CompareOptions& options) {
   report.height = options.camera.height;
   report.samples = options.samples;
   report.verified = true;
-  walk_frames(walk, indexed, path.views, &oracle, report);
+  walk_frames(walk, scene, path.views, report);
 
   const Comparison comparison = compare_walk(report);
   const Json compared = comparison_json(comparison);
@@ -89,7 +88,7 @@ int run_compare(const CompareOptions& options) {
   output.write(json);
   if (!options.report.empty()) {
     report.comparison = compared.dump(-1, ' ', false, Json::error_handler_t::replace);
-    report.pictures = draw_pictures(report, oracle);
+    report.pictures = draw_pictures(report, scene);
     write_report(report, options.report);
   }
   return exit_code(report);

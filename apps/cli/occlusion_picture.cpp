@@ -42,11 +42,15 @@ Picture beside(const Picture& left, const Picture& right) {
 Horizon horizon_of(const Scene& scene, const View& view) {
   Horizon horizon;
   if (!horizon.begin(view, view.width)) return horizon;
-  std::vector<std::pair<double, ObjectId>> order;
-  for (ObjectId id = 0; id < scene.objects().size(); ++id)
-    if (scene.objects()[id].opaque) order.emplace_back(horizon.project(scene.objects()[id].bounds).farthest, id);
-  std::sort(order.begin(), order.end());
-  for (const auto& [distance, id] : order) {
+  const BoxArrays bounds(scene.object_bounds());
+  std::vector<HorizonBox> boxes(bounds.count);
+  Counters unused;
+  boxes.resize(boxes_over_horizon(horizon.plan(), bounds, 0, bounds.count, {}, 0, boxes.data(), unused));
+  std::stable_sort(boxes.begin(), boxes.end(),
+                   [](const HorizonBox& a, const HorizonBox& b) { return a.farthest < b.farthest; });
+  for (const HorizonBox& box : boxes) {
+    const ObjectId id = box.index;
+    if (!scene.objects()[id].opaque) continue;
     const Object& object = scene.objects()[id];
     const WallFences set = find_wall_fences(scene.mesh_of(id), glm::dmat3(to_matrix(object.transform)));
     for (const WallFence& fence : set.fences) horizon.add(fence, glm::dvec3(object.transform[3]), set.slack);

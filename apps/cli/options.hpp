@@ -102,9 +102,10 @@ struct WalkOptions {
   CameraOptions camera;
   bool ids = false;
   bool verify = true;
-  int samples = 1;     // n x n oracle samples for each pixel
-  std::string report;  // folder for the report page, empty for none
-  std::string trace;   // file for the timeline of a method that runs on a device, empty for none
+  int samples = 1;      // n x n oracle samples for each pixel
+  std::string report;   // folder for the report page, empty for none
+  std::string trace;    // file for the timeline of a method that runs on a device, empty for none
+  double moving = 0.0;  // share of the objects that move from frame to frame, 0 to 1
 };
 
 struct PersistenceOptions {

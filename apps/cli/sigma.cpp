@@ -23,7 +23,9 @@ struct Row {
   double sigma = 1.0;
   double boxes = 0.0, surface = 0.0, volume = 0.0;  // per object; ratios to the single boxes, summed over objects
   std::size_t reported = 0, seen = 0, missed = 0;
-  double queries = 0.0, ms = 0.0;  // a frame
+  double queries = 0.0;                 // a frame
+  double cull_ms = 0.0, draw_ms = 0.0;  // medians; drawing all that was reported
+  [[nodiscard]] double frame_ms() const { return cull_ms + draw_ms; }
   [[nodiscard]] double false_visible() const { return static_cast<double>(reported - (seen - missed)); }
 };
 
@@ -56,7 +58,12 @@ std::vector<Row> sweep(const SigmaOptions& options, const IndexedScene& indexed,
   }
   const Oracle oracle(indexed.scene);
   const VisibleSet all = VisibleSet::all(indexed.scene.objects().size());
-  std::vector<std::vector<double>> times(rows.size());
+  const auto renderer = make_renderer("zbuffer_tiled", indexed);
+  Frame frame;
+  std::vector<std::vector<double>> cull_times(rows.size()), draw_times(rows.size());
+  const auto since = [](Clock::time_point start) {
+    return std::chrono::duration<double, std::milli>(Clock::now() - start).count();
+  };
   Progress progress("frames", views.size(), options.common.quiet);
   for (std::size_t v = 0; v < views.size(); ++v) {
     const Truth truth = oracle.look(views[v]);
@@ -65,7 +72,10 @@ std::vector<Row> sweep(const SigmaOptions& options, const IndexedScene& indexed,
       Counters counters;
       const auto start = Clock::now();
       cullers[i]->cull(views[v], all, visible, counters);
-      times[i].push_back(std::chrono::duration<double, std::milli>(Clock::now() - start).count());
+      cull_times[i].push_back(since(start));
+      const auto drawing = Clock::now();
+      renderer->draw(views[v], visible, frame, counters);
+      draw_times[i].push_back(since(drawing));
       const Verdict verdict = judge(truth, visible);
       rows[i].reported += visible.count();
       rows[i].seen += truth.seen.count();
@@ -75,9 +85,13 @@ std::vector<Row> sweep(const SigmaOptions& options, const IndexedScene& indexed,
     progress.show(v + 1);
     if (interrupted()) views.resize(v + 1);
   }
+  const auto median = [](std::vector<double>& times) {
+    std::sort(times.begin(), times.end());
+    return times.empty() ? 0.0 : times[times.size() / 2];
+  };
   for (std::size_t i = 0; i < rows.size(); ++i) {
-    std::sort(times[i].begin(), times[i].end());
-    rows[i].ms = times[i].empty() ? 0.0 : times[i][times[i].size() / 2];
+    rows[i].cull_ms = median(cull_times[i]);
+    rows[i].draw_ms = median(draw_times[i]);
     rows[i].queries /= static_cast<double>(std::max<std::size_t>(views.size(), 1));
   }
   return rows;
@@ -119,7 +133,7 @@ LinePlot plot_of(const SigmaOptions& options, const std::vector<Row>& rows) {
                 false,
                 0.0,
                 0.0,
-                {{"false-visible", {}}, {"surface", {}}, {"queries", {}}, {"time", {}}}};
+                {{"false-visible", {}}, {"surface", {}}, {"queries", {}}, {"culling time", {}}, {"frame time", {}}}};
   const Row& first = rows.front();
   for (const Row& row : rows) {
     const auto add = [&](std::size_t curve, double value, double reference) {
@@ -128,7 +142,8 @@ LinePlot plot_of(const SigmaOptions& options, const std::vector<Row>& rows) {
     add(0, row.false_visible(), first.false_visible());
     add(1, row.surface, first.surface);
     add(2, row.queries, first.queries);
-    add(3, row.ms, first.ms);
+    add(3, row.cull_ms, first.cull_ms);
+    add(4, row.frame_ms(), first.frame_ms());
   }
   return plot;
 }
@@ -152,8 +167,9 @@ int run_sigma(const SigmaOptions& options) {
   std::size_t missed = 0;
   const bool text = options.common.prints();
   if (text)
-    fmt::print("{:>6} {:>12} {:>9} {:>8} {:>10} {:>10} {:>14} {:>7} {:>10} {:>9}\n", "sigma", "boxes/object", "surface",
-               "volume", "reported", "seen", "false-visible", "missed", "queries", "ms");
+    fmt::print("{:>6} {:>12} {:>9} {:>8} {:>10} {:>10} {:>14} {:>7} {:>10} {:>9} {:>9} {:>9}\n", "sigma",
+               "boxes/object", "surface", "volume", "reported", "seen", "false-visible", "missed", "queries", "cull ms",
+               "draw ms", "frame ms");
   for (const Row& row : rows) {
     missed += row.missed;
     json["rows"].push_back({{"sigma", row.sigma},
@@ -165,11 +181,13 @@ int run_sigma(const SigmaOptions& options) {
                             {"false_visible", row.false_visible()},
                             {"missed", row.missed},
                             {"queries", row.queries},
-                            {"ms", row.ms}});
+                            {"cull_ms", row.cull_ms},
+                            {"draw_ms", row.draw_ms}});
     if (text)
-      fmt::print("{:>6.2f} {:>12.2f} {:>9.3f} {:>8.3f} {:>10} {:>10} {:>14.0f} {:>7} {:>10.0f} {:>9.3f}\n", row.sigma,
-                 row.boxes, row.surface, row.volume, row.reported, row.seen, row.false_visible(), row.missed,
-                 row.queries, row.ms);
+      fmt::print(
+          "{:>6.2f} {:>12.2f} {:>9.3f} {:>8.3f} {:>10} {:>10} {:>14.0f} {:>7} {:>10.0f} {:>9.3f} {:>9.3f} {:>9.3f}\n",
+          row.sigma, row.boxes, row.surface, row.volume, row.reported, row.seen, row.false_visible(), row.missed,
+          row.queries, row.cull_ms, row.draw_ms, row.frame_ms());
   }
   if (picture) {
     picture->write(encode_png(draw_boxes(loaded.scene, path.views.front())));

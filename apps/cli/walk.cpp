@@ -45,6 +45,10 @@ void print_text(const WalkReport& report, const WalkOptions& options) {
   const bool aside = options.common.stdout_taken;
   if (aside && options.common.quiet) return;
   if (!aside && !options.common.quiet) fmt::print("{}", walk_table(report));
+  if (const std::optional<double> moving = move_ms_median(report))
+    fmt::print(aside ? stderr : stdout,
+               "{} objects move: median {:.3f} ms a frame to move them and to refit the index\n", report.moving,
+               *moving);
   const bool colour = !aside && stdout_has_colour();
   for (const WalkRun& run : report.runs) {
     const WalkSummary summary = summarise(report, run);
@@ -68,16 +72,16 @@ int run_walk(const WalkOptions& options) {
   if (!options.common.json.empty()) json.emplace(options.common.json);
   std::optional<OutputFile> trace;
   if (!options.trace.empty()) trace.emplace(options.trace);
+  if (trace && options.moving > 0)
+    throw UsageError("--trace and --moving: methods with a timeline are made anew when objects move, and forget it");
 
-  const LoadedScene loaded = open_scene(options.scene, options.common);
+  LoadedScene loaded = open_scene(options.scene, options.common);
   const CameraPath path = open_path(options.path, options.camera, loaded, options.common.seed);
-  const IndexedScene indexed = index_scene(loaded.scene);
-  std::optional<Oracle> oracle;
-  if (options.verify || !options.report.empty()) oracle.emplace(loaded.scene);
+  WalkScene scene(loaded.scene, options.moving, options.common.seed, options.verify || !options.report.empty());
 
   WalkReport report = start_report(options, loaded.scene);
   report.warnings = loaded.warnings;
-  walk_frames(options, indexed, path.views, oracle ? &*oracle : nullptr, report);
+  walk_frames(options, scene, path.views, report);
 
   if (json) {
     write_walk_json(report, options.ids, [&](std::string_view text) { json->write(text); });
@@ -89,7 +93,7 @@ int run_walk(const WalkOptions& options) {
   }
   print_text(report, options);
   if (!options.report.empty()) {
-    report.pictures = draw_pictures(report, *oracle);
+    report.pictures = draw_pictures(report, scene);
     write_report(report, options.report);
   }
   return exit_code(report);

@@ -28,6 +28,8 @@ Json frame_json(const WalkView& view, const WalkAnswer& answer, bool ids) {
             {"missed_samples", verified ? Json(answer.missed_samples) : Json(nullptr)},
             {"cull_ms", answer.cull_ms},
             {"truth_ms", verified ? Json(view.truth_ms) : Json(nullptr)},
+            {"move_ms", view.move_ms},
+            {"follow_ms", answer.follow_ms},
             {"triangles_submitted", answer.triangles_submitted}};
   if (ids) {
     json["visible_ids"] = answer.visible_ids;
@@ -43,6 +45,8 @@ Json summary_json(const WalkReport& report, const WalkRun& run) {
             {"overestimate", or_null(summary.overestimate)},
             {"cull_ms_median", or_null(summary.cull_ms_median)},
             {"triangles_fraction", or_null(summary.triangles_fraction)},
+            {"follow_ms_median", or_null(summary.follow_ms_median)},
+            {"made_anew", run.made_anew},
             {"verdict", summary.verdict},
             {"interrupted", report.interrupted}};
   Json& counters = json["counters"] = Json::object();
@@ -78,6 +82,7 @@ void write_head(const WalkReport& report, const TextSink& sink) {
   sink("{\"schema\":\"sightline.walk/1\",\n\"size\":" + text_of({report.width, report.height}));
   sink(",\n\"scene\":" + text_of(scene_json(report)));
   sink(",\n\"samples\":" + text_of(report.samples));
+  sink(",\n\"moving\":" + text_of(report.moving));
   sink(",\n\"warnings\":" + text_of(report.warnings));
 }
 

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <stdexcept>
 
 #include "interrupt.hpp"
 #include "methods.hpp"
@@ -65,13 +66,13 @@ struct Contender {
 
 class Walker {
  public:
-  Walker(const WalkOptions& options, const IndexedScene& indexed, const Oracle* oracle, WalkReport& report)
+  Walker(const WalkOptions& options, WalkScene& scene, WalkReport& report)
       : options_(options),
-        oracle_(oracle),
+        walk_scene_(scene),
         report_(report),
-        scene_(indexed.scene),
+        scene_(scene.indexed().scene),
         candidates_(VisibleSet::all(scene_.objects().size())),
-        frustum_culler_(make_culler("frustum_linear", indexed)) {
+        frustum_culler_(make_culler("frustum_linear", scene.indexed())) {
     for (const std::string& method : options.methods) {
       WalkRun run;
       run.method = method;
@@ -79,7 +80,7 @@ class Walker {
       try {
         const ThreadLimit one(1);  // then all that it allocates is counted
         const std::size_t before = allocated_bytes();
-        culler = as_usage([&] { return make_any_culler(method, indexed); });
+        culler = as_usage([&] { return make_any_culler(method, scene.indexed()); });
         const std::size_t after = allocated_bytes();
         run.memory_bytes = after > before ? after - before : 0;
       } catch (const MethodUnavailable& error) {
@@ -103,15 +104,19 @@ class Walker {
     facts.frame = report_.views.size();
     facts.view = view;
     facts.candidates = candidates_.count();
+    std::vector<WalkAnswer> answers(contenders_.size());
+    if (facts.frame > 0 && walk_scene_.moving() > 0) {
+      facts.move_ms = walk_scene_.to_frame(facts.frame);
+      follow(answers);
+    }
     Counters unused;
     frustum_culler_->cull(view, candidates_, frustum_, unused);
     facts.frustum = frustum_.count();
-    std::vector<WalkAnswer> answers(contenders_.size());
-    for (std::size_t i = 0; i < contenders_.size(); ++i) answers[i] = cull(view, contenders_[i], report_.runs[i]);
+    for (std::size_t i = 0; i < contenders_.size(); ++i) cull(view, contenders_[i], report_.runs[i], answers[i]);
     std::optional<Truth> truth, drawn;
     if (options_.verify) {
       const auto start = Clock::now();
-      truth = oracle_->look(view, options_.samples);
+      truth = walk_scene_.oracle().look(view, options_.samples);
       facts.truth_ms = milliseconds_since(start);
       facts.truth = truth->seen.count();
     }
@@ -134,8 +139,25 @@ class Walker {
   }
 
  private:
-  WalkAnswer cull(const View& view, Contender& contender, WalkRun& run) {
-    WalkAnswer answer;
+  /// Every method learns where the objects are now. Those that cannot are made anew, all of them after the old ones
+  /// are gone: methods on a device share what they keep of the scene.
+  void follow(std::vector<WalkAnswer>& answers) {
+    if (!frustum_culler_->follow_scene()) throw std::logic_error("frustum_linear does not follow the scene");
+    for (std::size_t i = 0; i < contenders_.size(); ++i) {
+      const auto start = Clock::now();
+      if (!contenders_[i].culler->follow_scene()) contenders_[i].culler.reset();
+      answers[i].follow_ms = milliseconds_since(start);
+    }
+    for (std::size_t i = 0; i < contenders_.size(); ++i) {
+      if (contenders_[i].culler) continue;
+      const auto start = Clock::now();
+      contenders_[i].culler = make_any_culler(report_.runs[i].method, walk_scene_.indexed());
+      answers[i].follow_ms += milliseconds_since(start);
+      report_.runs[i].made_anew = true;
+    }
+  }
+
+  void cull(const View& view, Contender& contender, WalkRun& run, WalkAnswer& answer) {
     const std::size_t before = run.answers.empty() ? allocated_bytes() : 0;
     const auto start = Clock::now();
     contender.culler->cull(view, candidates_, contender.visible, run.counters);
@@ -148,7 +170,6 @@ class Walker {
     for (const ObjectId id : contender.visible.order())
       answer.triangles_submitted += scene_.mesh_of(id).triangles.size();
     if (options_.ids || keeps_ids(answer.visible)) answer.visible_ids = contender.visible.sorted();
-    return answer;
   }
 
   /// The report draws what was reported: its ids are kept, up to a limit on memory.
@@ -167,7 +188,7 @@ class Walker {
   }
 
   const WalkOptions& options_;
-  const Oracle* oracle_;
+  WalkScene& walk_scene_;
   WalkReport& report_;
   const Scene& scene_;
   VisibleSet candidates_, frustum_;
@@ -211,11 +232,11 @@ std::string draw_overdraw(const Scene& scene, const View& view, const WalkAnswer
 
 }  // namespace
 
-void walk_frames(const WalkOptions& options, const IndexedScene& indexed, std::span<const View> views,
-                 const Oracle* oracle, WalkReport& report) {
-  Walker walker(options, indexed, oracle, report);
+void walk_frames(const WalkOptions& options, WalkScene& scene, std::span<const View> views, WalkReport& report) {
+  report.moving = scene.moving();
+  Walker walker(options, scene, report);
   const std::size_t keep =
-      options.report.empty() ? 0 : state_frames(indexed.scene.objects().size(), report.runs.size());
+      options.report.empty() ? 0 : state_frames(scene.indexed().scene.objects().size(), report.runs.size());
   Progress progress("frames", views.size(), options.common.quiet);
   for (std::size_t i = 0; i < views.size(); ++i) {
     walker.frame(views[i], chosen_evenly(i, views.size(), keep));
@@ -228,7 +249,7 @@ void walk_frames(const WalkOptions& options, const IndexedScene& indexed, std::s
   walker.finish();
 }
 
-std::vector<WalkPicture> draw_pictures(const WalkReport& report, const Oracle& oracle) {
+std::vector<WalkPicture> draw_pictures(const WalkReport& report, WalkScene& scene) {
   constexpr std::pair<Show, const char*> kinds[] = {
       {Show::shaded, "shaded"}, {Show::object, "object"}, {Show::depth, "depth"}};
   constexpr std::size_t most_overdraws = 3;
@@ -240,7 +261,8 @@ std::vector<WalkPicture> draw_pictures(const WalkReport& report, const Oracle& o
     const double scale = std::min(640.0 / view.width, 360.0 / view.height);
     view.width = std::max(1, static_cast<int>(std::lround(view.width * scale)));
     view.height = std::max(1, static_cast<int>(std::lround(view.height * scale)));
-    oracle.draw(view, frame);
+    scene.to_frame(report.views[i].frame);
+    scene.oracle().draw(view, frame);
     for (const auto& [show, name] : kinds)
       pictures.push_back({report.views[i].frame, name, encode_png(paint(*report.scene, view, frame, show))});
     for (std::size_t run = 0; run < std::min(report.runs.size(), most_overdraws); ++run) {
@@ -250,6 +272,7 @@ std::vector<WalkPicture> draw_pictures(const WalkReport& report, const Oracle& o
       pictures.push_back({report.views[i].frame, kind, draw_overdraw(*report.scene, view, answer)});
     }
   }
+  scene.to_frame(0);
   return pictures;
 }
 

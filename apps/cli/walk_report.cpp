@@ -79,16 +79,26 @@ WalkSummary summarise(const WalkReport& report, const WalkRun& run) {
   WalkSummary summary;
   judge_run(report, run, summary);
   if (run.answers.empty()) return summary;
-  std::vector<double> times;
+  std::vector<double> times, following;
   double submitted = 0.0;
   for (const WalkAnswer& answer : run.answers) {
     times.push_back(answer.cull_ms);
+    following.push_back(answer.follow_ms);
     submitted += static_cast<double>(answer.triangles_submitted);
   }
   summary.cull_ms_median = median(std::move(times));
+  following.erase(following.begin());  // nothing has moved yet
+  if (report.moving > 0 && !following.empty()) summary.follow_ms_median = median(std::move(following));
   const double triangles = static_cast<double>(report.scene->triangle_count());
   if (triangles > 0.0) summary.triangles_fraction = submitted / static_cast<double>(run.answers.size()) / triangles;
   return summary;
+}
+
+std::optional<double> move_ms_median(const WalkReport& report) {
+  std::vector<double> times;
+  for (std::size_t i = 1; report.moving > 0 && i < report.views.size(); ++i) times.push_back(report.views[i].move_ms);
+  if (times.empty()) return std::nullopt;
+  return median(std::move(times));
 }
 
 ExitCode exit_code(const WalkReport& report) {
@@ -110,6 +120,8 @@ std::string verdict_line(const WalkReport& report, const WalkRun& run) {
   if (summary.triangles_fraction)
     line += fmt::format("; {:.1f} % of the triangles", 100.0 * *summary.triangles_fraction);
   if (summary.cull_ms_median) line += fmt::format("; median {:.3f} ms", *summary.cull_ms_median);
+  if (summary.follow_ms_median)
+    line += fmt::format("; {} in {:.3f} ms", run.made_anew ? "made anew" : "followed", *summary.follow_ms_median);
   if (report.interrupted) line += "; interrupted";
   return line;
 }

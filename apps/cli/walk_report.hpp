@@ -22,6 +22,7 @@ struct WalkView {
   std::size_t frustum = 0;           // of those, kept by the linear frustum test
   std::optional<std::size_t> truth;  // objects seen; absent without verification
   double truth_ms = 0.0;
+  double move_ms = 0.0;  // moving objects and refitting the index over them
 };
 
 /// What one method said about one view.
@@ -31,6 +32,7 @@ struct WalkAnswer {
   std::uint64_t missed_samples = 0;       // samples through which those are seen
   std::size_t extra = 0;                  // reported but not seen
   double cull_ms = 0.0;                   // cull() alone
+  double follow_ms = 0.0;                 // follow_scene(), or making the culler anew
   std::uint64_t triangles_submitted = 0;  // triangles of the objects reported
   std::vector<ObjectId> visible_ids;      // ascending; only with --ids, or for the pictures of a report
   std::vector<std::uint8_t> state;        // one ObjectState per object; only of frames that the report shows
@@ -44,6 +46,7 @@ struct WalkRun {
   Promise promise = Promise::exact;
   std::vector<WalkAnswer> answers;  // parallel to WalkReport::views
   Counters counters;                // over all frames
+  bool made_anew = false;           // for frames in which objects moved, as it cannot follow
   std::size_t memory_bytes = 0;     // that the culler allocated; 0 where the allocator does not tell
 };
 
@@ -61,6 +64,7 @@ struct WalkReport {
   const Scene* scene = nullptr;       // outlives the report
   int width = 0, height = 0;
   int samples = 1;
+  std::size_t moving = 0;  // objects that move
   bool verified = false;
   bool interrupted = false;
   std::vector<WalkView> views;
@@ -75,6 +79,7 @@ struct WalkSummary {
   std::optional<std::size_t> missed;   // objects missed, each frame counted
   std::optional<double> overestimate;  // objects reported for each object seen
   std::optional<double> cull_ms_median;
+  std::optional<double> follow_ms_median;    // of frames in which objects moved
   std::optional<double> triangles_fraction;  // mean share of the scene's triangles that is submitted
   std::string verdict;                       // "ok", "missed", "unverified", "approximate: N missed"
   /// True if a method that promises to miss nothing missed something.
@@ -85,6 +90,9 @@ WalkSummary summarise(const WalkReport& report, const WalkRun& run);
 
 /// exit_missed if a promise is broken, else exit_interrupted or exit_ok.
 ExitCode exit_code(const WalkReport& report);
+
+/// Of the frames in which objects moved: all but the first. Absent if there are none.
+std::optional<double> move_ms_median(const WalkReport& report);
 
 /// One line for a person: the verdict and what it rests on.
 std::string verdict_line(const WalkReport& report, const WalkRun& run);

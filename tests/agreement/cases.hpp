@@ -40,6 +40,12 @@ inline Mesh cube(float half = 0.5f) {
 
 inline Affine at(const glm::vec3& place) { return {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}, place}; }
 
+/// Turned about the upright axis, radians.
+inline Affine turned(double angle, const glm::vec3& place) {
+  const auto c = static_cast<float>(std::cos(angle)), s = static_cast<float>(std::sin(angle));
+  return {{c, 0, -s}, {0, 1, 0}, {s, 0, c}, place};
+}
+
 /// A wall of two halves with a gap between them, and small cubes behind: the gap is what cullers like to lose.
 inline Scene gap_scene(float gap) {
   SceneBuilder builder;

@@ -39,12 +39,13 @@ TEST_F(Errors, UsageOfVerbsAndMethods) {
 
 TEST_F(Errors, UsageOfNumbers) {
   const std::vector<std::pair<std::string, std::string>> bad{
-      {"--frames", "0"},  {"--frames", "-3"},  {"--frames", "12x"},   {"--frames", ""},   {"--size", "0x720"},
-      {"--size", "1280"}, {"--size", "1x2x3"}, {"--size", "99999x2"}, {"--fov", "0"},     {"--fov", "180"},
-      {"--fov", "nan"},   {"--fov", "-60"},    {"--near", "0"},       {"--near", "nan"},  {"--near", "inf"},
-      {"--far", "nan"},   {"--ortho", "0"},    {"--ortho", "inf"},    {"--samples", "0"}, {"--samples", "1e9"},
-      {"--far", "0"},     {"--near", "1e-30"}, {"--ortho", "1e-300"}, {"--fov", "0.001"}, {"--fov", "179.999"},
-      {"--seed", "-1"},   {"--seed", "1.5"},   {"--threads", "two"},  {"--threads", "-1"}};
+      {"--frames", "0"},    {"--frames", "-3"},  {"--frames", "12x"},   {"--frames", ""},    {"--size", "0x720"},
+      {"--size", "1280"},   {"--size", "1x2x3"}, {"--size", "99999x2"}, {"--fov", "0"},      {"--fov", "180"},
+      {"--fov", "nan"},     {"--fov", "-60"},    {"--near", "0"},       {"--near", "nan"},   {"--near", "inf"},
+      {"--far", "nan"},     {"--ortho", "0"},    {"--ortho", "inf"},    {"--moving", "1.5"}, {"--moving", "-0.1"},
+      {"--moving", "some"}, {"--samples", "0"},  {"--samples", "1e9"},  {"--seed", "-1"},    {"--seed", "1.5"},
+      {"--far", "0"},       {"--near", "1e-30"}, {"--ortho", "1e-300"}, {"--fov", "0.001"},  {"--fov", "179.999"},
+      {"--threads", "two"}, {"--threads", "-1"}};
   for (const auto& [option, value] : bad)
     expect_complaint({"walk", scene, "--method", "none", option, value}, 2, option);
   expect_complaint({"walk", scene, "--method", "none", "--near", "5", "--far", "5"}, 2, "--near");

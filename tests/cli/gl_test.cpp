@@ -31,6 +31,21 @@ TEST_F(GlProgram, WalkKnowsTheMethodsAndWritesATrace) {
   EXPECT_GT(trace.at("traceEvents").size(), 8u);
 }
 
+TEST_F(GlProgram, MethodsOnTheDeviceSeeObjectsWhereTheyAreNow) {
+  if (!there_is_gl()) GTEST_SKIP() << "built without OpenGL";
+  const auto outcome = run({"walk", "generate:city:objects=200", "--method", "gl_frustum,occlusion_masked,gl_chcpp",
+                            "--frames", "4", "--size", "96x54", "--moving", "1", "--json", "-"});
+  if (outcome.code == 4) GTEST_SKIP() << "NO OPENGL HERE: " << outcome.err;
+  ASSERT_EQ(outcome.code, 0) << outcome.err;
+  const auto json = outcome.json();
+  for (const auto& run : json.at("runs")) {
+    EXPECT_EQ(run.at("summary").at("missed"), 0) << run.at("method");
+    EXPECT_EQ(run.at("summary").at("made_anew"), run.at("method") != "occlusion_masked");
+  }
+  expect_complaint({"walk", "generate:city:objects=50", "--method", "gl_chcpp", "--moving", "1", "--trace", "t.json"},
+                   2, "--moving");
+}
+
 TEST_F(GlProgram, WithoutADriverThereIsOneLineAndCodeFour) {
   if (!there_is_gl()) GTEST_SKIP() << "built without OpenGL";
   setenv("__EGL_VENDOR_LIBRARY_DIRS", "/nonexistent", 1);

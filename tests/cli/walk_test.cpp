@@ -233,6 +233,43 @@ TEST_F(Walk, FarPlaneFollowsTheEye) {
   EXPECT_EQ(run(cut).json().at("frames")[0].at("truth"), 0);
 }
 
+/// Every method of the registry follows the objects or is made anew; the truth is that of the moved scene.
+TEST_F(Walk, NothingIsMissedWhileObjectsMove) {
+  const std::string methods = all_cullers();
+  const Outcome outcome = small_walk({"--method", methods, "--moving", "0.5", "--ids"});
+  ASSERT_EQ(outcome.code, 0) << outcome.err;
+  const Json json = outcome.json();
+  EXPECT_GT(json.at("moving"), 50);
+  EXPECT_LT(json.at("moving"), json.at("scene").at("objects"));
+  std::size_t anew = 0;
+  for (const Json& run : json.at("runs")) {
+    const std::string promise = run.at("promise");
+    if (promise != "approximate") {
+      EXPECT_EQ(run.at("summary").at("missed"), 0) << run.at("method");
+    }
+    anew += run.at("summary").at("made_anew").get<bool>() ? 1 : 0;
+    EXPECT_GT(run.at("summary").at("follow_ms_median"), 0.0);
+    EXPECT_EQ(run.at("frames")[0].at("move_ms"), 0.0);
+    EXPECT_EQ(run.at("frames")[0].at("follow_ms"), 0.0);
+    EXPECT_GT(run.at("frames")[1].at("move_ms"), 0.0);
+  }
+  EXPECT_GT(anew, 0u);
+  EXPECT_LT(anew, json.at("runs").size() / 2);
+  const auto answers = [&](const std::vector<std::string>& more) {
+    std::vector<std::string> words{"--method", "frustum_linear,occlusion_masked", "--ids"};
+    words.insert(words.end(), more.begin(), more.end());
+    const Outcome walk = small_walk(words);
+    EXPECT_EQ(walk.code, 0) << walk.err;
+    Json ids;
+    const Json walked = walk.json();
+    for (const Json& run : walked.at("runs"))
+      for (const Json& frame : run.at("frames")) ids.push_back(frame.at("visible_ids"));
+    return ids;
+  };
+  EXPECT_EQ(answers({"--moving", "0.5"}), answers({"--moving", "0.5"}));
+  EXPECT_NE(answers({"--moving", "0.5"}), answers({})) << "they do move";
+}
+
 TEST_F(Walk, TableAndVerdictAreText) {
   const Outcome outcome = run({"walk", "generate:city:objects=100", "--frames", "3", "--size", "64x64", "--method",
                                "frustum_linear", "--json", file("out.json")});

@@ -2,8 +2,8 @@
 // motion do what they say (checklist 26).
 #include <gtest/gtest.h>
 
+#include "agreement/answer.hpp"
 #include "sightline/oracle/oracle.hpp"
-#include "sightline/registry.hpp"
 #include "sightline/scene/camera_path.hpp"
 #include "sightline/scene/generate/generate.hpp"
 #include "sightline/scene/generate/shapes.hpp"
@@ -28,10 +28,7 @@ Lost walk(const Scene& scene, const std::string& method, int frames) {
   const VisibleSet all = VisibleSet::all(scene.objects().size());
   Lost lost;
   for (const View& view : generate_path(scene, config).views) {
-    VisibleSet visible, in_view;
-    Counters counters;
-    culler->cull(view, all, visible, counters);
-    frustum->cull(view, all, in_view, counters);
+    const VisibleSet visible = ask(*culler, view, all).visible, in_view = ask(*frustum, view, all).visible;
     EXPECT_TRUE(visible.subset_of(in_view));
     lost.dropped += in_view.count() - visible.count();
     const Truth truth = oracle.look(view);
@@ -71,12 +68,7 @@ Scene ball_scene() {
   return builder.build();
 }
 
-bool drawn(Culler& culler, const View& view) {
-  VisibleSet visible;
-  Counters counters;
-  culler.cull(view, VisibleSet::all(1), visible, counters);
-  return visible.count() == 1;
-}
+bool drawn(Culler& culler, const View& view) { return ask(culler, view, VisibleSet::all(1)).visible.count() == 1; }
 
 View from(double distance) { return look_along({0, 0, distance}, {0, 0, -1}); }
 

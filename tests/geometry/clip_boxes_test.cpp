@@ -1,8 +1,7 @@
-// Boxes in clip space: the definition by corners, the batch against it, every SIMD target and tail.
+// Boxes in clip space: the definition by corners, and the batch against it.
 #include "sightline/geometry/clip_boxes.hpp"
 
 #include <gtest/gtest.h>
-#include <hwy/targets.h>
 
 #include "sightline/scene/generate/random.hpp"
 #include "sightline/scene/view.hpp"
@@ -49,7 +48,7 @@ TEST(ClipBoxes, BatchHoldsTheDefinitionAndIsAsTight) {
     const BoxArrays arrays(boxes);
     const glm::dmat4 clip = view_projection(random_view(random, i));
     std::vector<std::uint32_t> ids(boxes.size() + 64);
-    ids.resize(boxes_in_clip_space(arrays, clip_rows(clip, 60), ids.data()));
+    ids.resize(boxes_in_clip_space(arrays, clip, 60, ids.data()));
     std::vector<bool> found(boxes.size());
     for (const std::uint32_t id : ids) found[id] = true;
     for (std::size_t b = 0; b < boxes.size(); ++b) {
@@ -63,24 +62,6 @@ TEST(ClipBoxes, BatchHoldsTheDefinitionAndIsAsTight) {
   }
   EXPECT_GT(all, 500u);
   EXPECT_LT(more, all / 50);
-}
-
-TEST(ClipBoxes, EveryTargetAndTailGivesTheReferencesAnswer) {
-  Random random(3);
-  for (const std::int64_t target : hwy::SupportedAndGeneratedTargets()) {
-    hwy::SetSupportedTargetsForTest(target);
-    hwy::GetChosenTarget().DeInit();
-    for (std::size_t count = 0; count < 70; ++count) {
-      const BoxArrays boxes(random_boxes(count, count));
-      const ClipRows rows = clip_rows(view_projection(random_view(random, count)), 60);
-      std::vector<std::uint32_t> a(count + 64), b(count + 16);
-      a.resize(boxes_in_clip_space(boxes, rows, a.data()));
-      b.resize(boxes_in_clip_space_scalar(boxes, rows, b.data()));
-      EXPECT_EQ(a, b) << count << " on " << hwy::TargetName(target);
-    }
-  }
-  hwy::SetSupportedTargetsForTest(0);
-  hwy::GetChosenTarget().DeInit();
 }
 
 }  // namespace

@@ -2,9 +2,11 @@
 #include "sightline/raster/horizon.hpp"
 
 #include <gtest/gtest.h>
+#include <hwy/targets.h>
 
 #include "agreement/cases.hpp"
 #include "sightline/raster/wall_fences.hpp"
+#include "sightline/scene/generate/random.hpp"
 
 namespace sightline {
 namespace {
@@ -81,8 +83,11 @@ Aabb box(float x0, float x1, float y0, float y1, float z0, float z1) { return {{
 WallFence wall(double x0, double x1, double y0, double y1, double z) { return {{{x0, -z}, {x1, -z}}, y0, y1}; }
 
 bool hidden(const Horizon& horizon, const Aabb& b) {
-  std::uint64_t cells = 0;
-  return horizon.hides(horizon.query(horizon.project(b)), cells);
+  const BoxArrays boxes(std::span(&b, 1));
+  HorizonBox over;
+  Counters unused;
+  return boxes_over_horizon(horizon.plan(), boxes, 0, 1, {}, -std::numeric_limits<float>::infinity(), &over, unused) ==
+         0;
 }
 
 TEST(Horizon, AWallHidesWhatStandsBehindItBelowItsTop) {
@@ -135,6 +140,103 @@ TEST(Horizon, WallsBeforeTheNearPlaneOrBehindTheEyeAreLeftOut) {
   horizon.add(through, glm::dvec3(0), 0);
   EXPECT_FALSE(hidden(horizon, box(-1, 1, 0, 3, 20, 22)));
   EXPECT_TRUE(hidden(horizon, box(-1, 1, 0, 3, 40, 42)));
+}
+
+View random_view(Random& random, int i) {
+  View view = look_along({random.range(-50, 50), random.range(-50, 50), random.range(-50, 50)}, random.direction());
+  view.fov_y = random.range(0.2, 2.4);
+  if (i % 3 == 1) view.eye += glm::dvec3(1e-7, 2e-7, -3e-7);  // no float
+  if (i % 4 == 1) {
+    view.projection = Projection::orthographic;
+    view.span_y = random.range(5, 90);
+    view.far = 200;
+  }
+  return view;
+}
+
+std::vector<Aabb> random_boxes(Random& random, std::size_t count) {
+  std::vector<Aabb> boxes(count);
+  for (std::size_t i = 0; i < count; ++i) {
+    const glm::vec3 at(random.range(-90, 90), random.range(-90, 90), random.range(-90, 90));
+    if (i % 17 != 5) boxes[i] = {at, at + glm::vec3(random.range(0, 9), random.range(0, 9), random.range(0, 9))};
+  }
+  return boxes;
+}
+
+std::vector<HorizonBox> boxes_over(const HorizonPlan& plan, const BoxArrays& boxes, const Frustum& frustum) {
+  std::vector<HorizonBox> over(boxes.count);
+  Counters unused;
+  over.resize(boxes_over_horizon(plan, boxes, 0, boxes.count, frustum, 0, over.data(), unused));
+  return over;
+}
+
+TEST(Horizon, BoxesAreRoundedOutwards) {
+  Random random(5);
+  std::size_t asked = 0;
+  for (int i = 0; i < 200; ++i) {
+    const View view = random_view(random, i);
+    const std::vector<Aabb> boxes = random_boxes(random, 70);
+    Horizon horizon;
+    if (!horizon.begin(view, 1 << (4 + i % 11))) continue;
+    const HorizonPlan& plan = horizon.plan();
+    const bool perspective = view.projection == Projection::perspective;
+    std::size_t empty = 0;
+    for (const Aabb& b : boxes) empty += b.empty() ? 1 : 0;
+    const std::vector<HorizonBox> over = boxes_over(plan, BoxArrays(boxes), {});
+    EXPECT_EQ(over.size() + empty, boxes.size()) << "nothing is hidden yet";
+    for (const HorizonBox& box : over) {
+      const bool asks = box.first <= box.last;
+      asked += asks ? 1 : 0;
+      for (int corner = 0; corner < 8; ++corner) {
+        const glm::dvec3 d = glm::dvec3(boxes[box.index].corner(corner)) - view.eye;
+        const double along = glm::dot(plan.forward, glm::dvec2(d.x, d.z)),
+                     across = glm::dot(plan.right, glm::dvec2(d.x, d.z));
+        EXPECT_LE(static_cast<double>(box.nearest), along);
+        EXPECT_GE(static_cast<double>(box.farthest), along);
+        if (!asks) continue;
+        const double u = perspective ? across / along : across,
+                     slope = perspective ? d.y / along : d.y - plan.tilt * along;
+        EXPECT_TRUE(box.first == 0 || horizon.border(box.first) <= u);
+        EXPECT_TRUE(box.last + 1 == horizon.columns() || horizon.border(box.last + 1) >= u);
+        EXPECT_LE(static_cast<double>(box.low), slope);
+        EXPECT_GE(static_cast<double>(box.high), slope);
+      }
+    }
+  }
+  EXPECT_GT(asked, 3000u);
+}
+
+TEST(Horizon, EveryTargetGivesTheSameBits) {
+  std::vector<std::vector<float>> answers;
+  for (const std::int64_t target : hwy::SupportedAndGeneratedTargets()) {
+    hwy::SetSupportedTargetsForTest(target);
+    hwy::GetChosenTarget().DeInit();
+    Random random(6);
+    std::vector<float>& answer = answers.emplace_back();
+    for (int i = 0; i < 60; ++i) {
+      const View view = random_view(random, i);
+      const BoxArrays boxes(random_boxes(random, static_cast<std::size_t>(i)));
+      Horizon horizon;
+      if (!horizon.begin(view, 16 + i)) continue;
+      for (int w = 0; w < 20; ++w) {
+        WallFence fence{{}, random.range(-60, 0), random.range(0, 60)};
+        for (int k = 0; k <= w % 6; ++k) fence.plan.emplace_back(random.range(-40, 40), random.range(-40, 40));
+        horizon.add(fence, {random.range(-40, 40), 1, random.range(-40, 40)}, 1e-5);
+      }
+      for (int c = 0; c < horizon.columns(); ++c) {
+        answer.push_back(horizon.low(c));
+        answer.push_back(horizon.high(c));
+      }
+      for (const HorizonBox& b : boxes_over(horizon.plan(), boxes, view_frustum(view, 200)))
+        for (const float f : {static_cast<float>(b.index), b.nearest, b.farthest, static_cast<float>(b.first),
+                              static_cast<float>(b.last), b.low, b.high})
+          answer.push_back(f);
+    }
+    EXPECT_EQ(answer, answers[0]) << hwy::TargetName(target);
+  }
+  EXPECT_GT(answers[0].size(), 2000u);
+  hwy::SetSupportedTargetsForTest(0);
+  hwy::GetChosenTarget().DeInit();
 }
 
 TEST(Horizon, ThereIsNoneStraightDownAndOneForOrthographicViews) {

@@ -36,6 +36,9 @@ IndexedScene index_scene(const Scene& scene);
 /// new one is faster. O(objects).
 void refit(IndexedScene& scene);
 
+/// World bounds of bvh.items, in their order: what lies below a node stands side by side.
+std::vector<Aabb> bounds_in_tree_order(const IndexedScene& scene);
+
 /// Exactly one of the makers is set, as `family` says. Makers throw InputError on a bad parameter.
 struct Algorithm {
   std::string_view name;

@@ -8,6 +8,7 @@
 #include "sightline/core/mesh_face_culler.hpp"
 #include "sightline/geometry/cluster_tree.hpp"
 #include "sightline/parallel/parallel.hpp"
+#include "sightline/scene/generate/shapes.hpp"
 
 namespace sightline {
 namespace {
@@ -52,55 +53,55 @@ class ClusterBackface final : public MeshFaceCuller {
 
 /// t_C / r, between 1/64 and 64.
 double measure_cluster_cost() {
-  // A cluster test against what a triangle costs at least when it is not culled: three corners projected and its
-  // area's sign taken. The best of several rounds, as a power of two: steady enough to give the same clusters again.
-  constexpr int rounds = 7, count = 4096;
-  std::vector<NormalCluster> clusters(count);
-  std::vector<glm::vec3> corners(3 * count);
-  for (int i = 0; i < count; ++i) {
-    const float a = 0.37f * static_cast<float>(i);
-    clusters[static_cast<std::size_t>(i)] = {
-        {-0.5f, 0.1f, std::sin(a)}, {0.5f, 0.4f, 1.0f}, std::cos(a), 1.0f, {a, 0, 1}, 1.0f};
-    for (int k = 0; k < 3; ++k)
-      corners[static_cast<std::size_t>(3 * i + k)] = {std::cos(a + 2.1f * static_cast<float>(k)), std::sin(a), 2.0f};
-  }
+  // A cluster's share of the walk over a tree of them, against what a triangle costs at least when it is not culled:
+  // three corners projected and its area's sign taken. The best of several rounds, as a power of two: steady enough to
+  // give the same clusters again.
+  constexpr int rounds = 7;
   const auto best = [&](auto&& work) {
     double least = 1e9;
     for (int round = 0; round < rounds; ++round) {
       const auto start = std::chrono::steady_clock::now();
-      volatile int keep = work();
+      volatile std::uint64_t keep = work();
       (void)keep;
       least = std::min(least, std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
     }
     return std::max(least, 1e-9);
   };
-  const glm::vec4 eye(3.0f, -2.0f, 5.0f, 1.0f);
-  const double test = best([&] {
-    int found = 0;
-    for (const NormalCluster& cluster : clusters) found += turns_back(cluster, eye, 1e-3f) ? 1 : 0;
-    return found;
+  const Mesh ball = make_ball(128, 64);
+  ClusterTreeConfig every;
+  every.leaf = 64;
+  every.cost_test = 0.0;
+  const ClusterTree tree = build_cluster_tree(ball.positions, ball.triangles, glm::vec3(0.0f), every);
+  std::vector<std::uint64_t> kept(ball.triangles.size() / 64 + 1);
+  ClusterCounts counts;
+  const double walk = best([&] {
+    counts = {};
+    front_clusters(tree, {3.0f, -2.0f, 5.0f, 1.0f}, 1e-6f, 0.0f, kept, counts);
+    return kept[0] + counts.culled;
   });
+  const double test = walk / static_cast<double>(std::max<std::uint64_t>(counts.tested, 1));
   const glm::mat4 matrix(1.2f, 0.1f, 0.3f, 0.2f, -0.1f, 1.1f, 0.2f, 0.1f, 0.2f, 0.3f, 1.0f, 0.9f, 0.0f, 0.1f, 0.5f,
                          1.0f);
-  const double triangle = best([&] {
-    int found = 0;
-    for (std::size_t i = 0; i < corners.size(); i += 3) {
+  const double triangles = best([&] {
+    std::uint64_t found = 0;
+    for (const glm::uvec3& t : ball.triangles) {
       glm::vec2 p[3];
-      for (std::size_t k = 0; k < 3; ++k) {
-        const glm::vec4 q = matrix * glm::vec4(corners[i + k], 1.0f);
+      for (int k = 0; k < 3; ++k) {
+        const glm::vec4 q = matrix * glm::vec4(ball.positions[t[k]], 1.0f);
         p[k] = glm::vec2(q) / q.w;
       }
       found += (p[1].x - p[0].x) * (p[2].y - p[0].y) - (p[1].y - p[0].y) * (p[2].x - p[0].x) > 0.0f ? 1 : 0;
     }
     return found;
   });
+  const double triangle = triangles / static_cast<double>(ball.triangles.size());
   return std::exp2(std::round(std::log2(std::clamp(test / triangle, 1.0 / 64, 64.0))));
 }
 
 }  // namespace
 
 double measured_cluster_cost() {
-  static const double ratio = kept_number("cluster_cost", 1.0 / 64, 64.0, measure_cluster_cost);
+  static const double ratio = kept_number("cluster_walk_cost", 1.0 / 64, 64.0, measure_cluster_cost);
   return ratio;
 }
 

@@ -15,19 +15,15 @@ constexpr std::uint32_t largest_leaf = 255;
 class FrustumHierarchical final : public Culler {
  public:
   FrustumHierarchical(const IndexedScene& scene, bool corners)
-      : scene_(scene.scene),
+      : indexed_(scene),
+        scene_(scene.scene),
         bvh_(scene.bvh),
         reach_(reach(scene.scene.bounds())),
         corners_(corners),
-        boxes_(in_tree_order()),
-        ranges_(bvh_.nodes.size()),
+        boxes_(bounds_in_tree_order(scene)),
+        ranges_(item_ranges(bvh_)),
         last_plane_(bvh_.nodes.size(), 0),
         found_(std::max(few, largest_leaf) + 64) {
-    for (std::size_t i = bvh_.nodes.size(); i-- > 0;) {
-      const BvhNode& node = bvh_.nodes[i];
-      ranges_[i] = node.leaf() ? ItemRange{node.first, node.first + node.count}
-                               : ItemRange{ranges_[node.first].begin, ranges_[node.first + 1].end};
-    }
     for (const ObjectId id : bvh_.items) has_empty_ = has_empty_ || scene_.objects()[id].bounds.empty();
   }
 
@@ -78,7 +74,7 @@ class FrustumHierarchical final : public Culler {
   }
 
   bool follow_scene() override {  // whether a box is empty depends on its mesh alone
-    boxes_ = in_tree_order();
+    boxes_ = BoxArrays(bounds_in_tree_order(indexed_));
     reach_ = reach(scene_.bounds());
     return true;
   }
@@ -89,13 +85,6 @@ class FrustumHierarchical final : public Culler {
   struct Visit {
     std::uint32_t node, planes;
   };
-
-  [[nodiscard]] BoxArrays in_tree_order() const {
-    std::vector<Aabb> boxes;
-    boxes.reserve(bvh_.items.size());
-    for (const ObjectId id : bvh_.items) boxes.push_back(scene_.objects()[id].bounds);
-    return BoxArrays(boxes);
-  }
 
   void take(const ItemRange& items, bool all, const VisibleSet& candidates, VisibleSet& visible) const {
     if (all) {
@@ -130,6 +119,7 @@ class FrustumHierarchical final : public Culler {
     return false;
   }
 
+  const IndexedScene& indexed_;
   const Scene& scene_;
   const Bvh& bvh_;
   double reach_;

@@ -8,6 +8,7 @@ class None final : public Culler {
   void cull(const View&, const VisibleSet& candidates, VisibleSet& visible, Counters&) override {
     visible = candidates;
   }
+  bool follow_scene() override { return true; }
 };
 
 }  // namespace

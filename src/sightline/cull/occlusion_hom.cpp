@@ -66,6 +66,9 @@ class OcclusionHom final : public Culler {
     }
   }
 
+  /// The stage reads places from the scene in every frame.
+  bool follow_scene() override { return true; }
+
   [[nodiscard]] bool approximate() const override { return opacity_ < 1 || holes_ > 0; }
 
  private:

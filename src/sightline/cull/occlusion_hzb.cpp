@@ -28,6 +28,9 @@ class OcclusionHzb final : public Culler {
     stage_.end(counters);
   }
 
+  /// The stage reads places from the scene in every frame.
+  bool follow_scene() override { return true; }
+
   [[nodiscard]] bool approximate() const override { return pixels_ > 0; }
 
  private:

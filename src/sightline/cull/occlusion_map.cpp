@@ -58,6 +58,9 @@ class OcclusionMap final : public Culler {
     stage_.end(counters);
   }
 
+  /// The stage reads places from the scene in every frame.
+  bool follow_scene() override { return true; }
+
  private:
   void order_batches() {
     rectangles_.clear();

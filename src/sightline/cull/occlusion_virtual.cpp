@@ -48,6 +48,9 @@ class OcclusionVirtual final : public Culler {
     stage_.end(counters);
   }
 
+  /// The stage reads places from the scene in every frame.
+  bool follow_scene() override { return true; }
+
   [[nodiscard]] bool approximate() const override { return true; }
 
  private:

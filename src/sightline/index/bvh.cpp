@@ -294,6 +294,16 @@ ItemRange items_below(const Bvh& bvh, std::uint32_t node) {
   return {first->first, last->first + last->count};
 }
 
+std::vector<ItemRange> item_ranges(const Bvh& bvh) {
+  std::vector<ItemRange> ranges(bvh.nodes.size());
+  for (std::size_t i = ranges.size(); i-- > 0;) {  // children stand behind their parents
+    const BvhNode& node = bvh.nodes[i];
+    ranges[i] = node.leaf() ? ItemRange{node.first, node.first + node.count}
+                            : ItemRange{ranges[node.first].begin, ranges[node.first + 1].end};
+  }
+  return ranges;
+}
+
 Bvh build_bvh(std::span<const Aabb> boxes, const BvhConfig& config) {
   assert(config.max_leaf_size >= 1 && config.bins >= 2 && config.bins <= most_bins);
   return Builder(boxes, config).build();

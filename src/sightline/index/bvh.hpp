@@ -30,6 +30,8 @@ struct ItemRange {
   std::uint32_t begin, end;
 };
 ItemRange items_below(const Bvh& bvh, std::uint32_t node);
+/// The same for every node, by node. O(nodes).
+std::vector<ItemRange> item_ranges(const Bvh& bvh);
 
 struct BvhConfig {
   int max_leaf_size = 4;  // boxes, 1 to 255
