@@ -11,7 +11,7 @@ namespace {
 
 constexpr std::uint32_t group_size = 32;
 constexpr std::uint32_t most_workgroups = 256;
-constexpr std::uint32_t no_buckets[256] = {};
+constexpr std::uint32_t no_buckets[2][256] = {};
 
 struct Group {
   glm::vec4 lo, hi;
@@ -20,7 +20,7 @@ struct Group {
 
 /// As the shaders see it.
 struct Counts {
-  std::uint32_t commands[2] = {0, 0};
+  std::uint32_t commands[4] = {0, 0, 0, 0};
   std::uint32_t now = 0, read_list = 0;
   std::uint32_t boxes[2][4] = {{14, 0, 0, 0}, {14, 0, 0, 0}};  // a box is a strip of 14 corners
   std::uint32_t seen_groups = 0;
@@ -41,7 +41,7 @@ class DeviceCulling : public Method {
     drawn_first_ = make_buffer(std::vector<std::uint32_t>(objects));
     seen_groups_ = make_buffer(groups_.size() * sizeof(std::uint32_t));
     places_ = make_buffer(2 * objects * sizeof(std::uint32_t));
-    commands_ = make_buffer(2 * objects * sizeof(DrawCommand));
+    commands_ = make_buffer(4 * objects * sizeof(DrawCommand));
     counts_ = make_buffer(sizeof(Counts));
     buckets_ = make_buffer(sizeof no_buckets);
     first_ = make_kernel(first_glsl);
@@ -75,7 +75,8 @@ class DeviceCulling : public Method {
     ++drawing_.work().state_changes;
     drawing_.work().queries += object_count();
     glMemoryBarrier(GL_COMMAND_BARRIER_BIT | GL_SHADER_STORAGE_BARRIER_BIT);
-    drawing_.draw_indirect(commands_.name(), object_count(), counts_.name(), sizeof(std::uint32_t), object_count());
+    drawing_.draw_indirect(commands_.name(), 2 * std::size_t{object_count()}, counts_.name(), 2 * sizeof(std::uint32_t),
+                           object_count());
     counted_ = false;
   }
 
@@ -98,7 +99,7 @@ class DeviceCulling : public Method {
     glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 11, buckets_.name());
     glProgramUniform1i(first_.name(), 0, 0);
     run_for_objects(first_);
-    run(begin_buckets_, 1);
+    run(begin_buckets_, 2);
     glProgramUniform1i(first_.name(), 0, 1);
     run_for_objects(first_);
   }
@@ -193,11 +194,11 @@ class DeviceCulling : public Method {
   void read_drawn() {
     counted_ = true;
     drawn_.clear();
-    std::uint32_t counts[2];
+    std::uint32_t counts[4];
     glMemoryBarrier(GL_BUFFER_UPDATE_BARRIER_BIT);
     glGetNamedBufferSubData(counts_.name(), 0, sizeof counts, counts);
     std::vector<DrawCommand> commands;
-    for (std::uint32_t list = 0; list < 2; ++list) {
+    for (std::uint32_t list = 0; list < 4; ++list) {
       commands.resize(counts[list]);
       if (commands.empty()) continue;
       glGetNamedBufferSubData(commands_.name(), static_cast<GLintptr>(list * object_count() * sizeof(DrawCommand)),

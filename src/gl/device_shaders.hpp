@@ -16,9 +16,9 @@ layout(std430, binding = 3) readonly buffer Items { uint items[]; };
 layout(std430, binding = 4) buffer Seen { uint seen[]; };      // objects, then groups: frame in which it was seen
 layout(std430, binding = 5) buffer Drawn { uint drawn[]; };    // objects: frame in which it was drawn first
 layout(std430, binding = 6) readonly buffer Templates { Command templates[]; };
-layout(std430, binding = 7) buffer Out { Command commands[]; };  // two lists
+layout(std430, binding = 7) buffer Out { Command commands[]; };  // four lists: for each phase one-sided objects, others
 layout(std430, binding = 8) buffer Counts {
-  uint command_count[2];  // of the two lists
+  uint command_count[4];  // of the four lists
   uint now, read_list;    // number of the frame; which list of places tells what the last frame saw
   uint boxes[2][4];       // indirect draws of boxes
   uint seen_group_count;
@@ -46,20 +46,25 @@ bool near_or_inside(vec3 lo, vec3 hi) {
 
 uint object_count() { return uint(bounds.length() / 2); }
 
-void append(uint list, uint id) { commands[list * object_count() + atomicAdd(command_count[list], 1u)] = templates[id]; }
+/// The list of a phase that an object belongs to.
+uint list_of(uint phase, uint id) {
+  return 2u * phase + (one_sided(bounds[2u * id].w > 0.0, bounds[2u * id].xyz, bounds[2u * id + 1u].xyz) ? 0u : 1u);
+}
 
 /// For the next frame, and for this one unless it was drawn already.
 void note_seen(uint place, uint id) {
-  uint list = 1u - read_list;
-  places[list * object_count() + atomicAdd(place_count[list], 1u)] = place;
-  if (drawn[id] != now) append(1u, id);
+  uint written = 1u - read_list;
+  places[written * object_count() + atomicAdd(place_count[written], 1u)] = place;
+  if (drawn[id] == now) return;
+  uint list = list_of(1u, id);
+  commands[list * object_count() + atomicAdd(command_count[list], 1u)] = templates[id];
 }
 )";
 
 /// Phase one: what was seen in the last frame, from front to back: counted into buckets by distance, then placed.
 inline constexpr char first_glsl[] = R"(
 layout(local_size_x = GROUP) in;
-layout(std430, binding = 11) buffer Buckets { uint buckets[256]; };
+layout(std430, binding = 11) buffer Buckets { uint buckets[2][256]; };
 layout(location = 0) uniform int placing;  // 0: count, 1: place
 
 /// An eighth of an octave of distance each.
@@ -72,26 +77,27 @@ void main() {
   for (uint i = gl_GlobalInvocationID.x; i < place_count[read_list]; i += gl_WorkGroupSize.x * gl_NumWorkGroups.x) {
     uint id = items[places[read_list * object_count() + i]];
     if (id >= no_candidate || outside(bounds[2u * id].xyz, bounds[2u * id + 1u].xyz)) continue;
-    uint place = atomicAdd(buckets[bucket_of(id)], 1u);
+    uint list = list_of(0u, id);
+    uint place = atomicAdd(buckets[list][bucket_of(id)], 1u);
     if (placing == 0) continue;
     drawn[id] = now;
-    commands[place] = templates[id];
+    commands[list * object_count() + place] = templates[id];
   }
 }
 )";
 
-/// Between the two: where each bucket begins, and how many there are in all.
+/// Between the two: where each bucket of a list begins, and how many there are in all. A workgroup for each list.
 inline constexpr char buckets_glsl[] = R"(
 layout(local_size_x = 256) in;
-layout(std430, binding = 11) buffer Buckets { uint buckets[256]; };
+layout(std430, binding = 11) buffer Buckets { uint buckets[2][256]; };
 void main() {
-  uint begin = 0u;
-  for (uint i = 0u; i < gl_LocalInvocationID.x; ++i) begin += buckets[i];
-  uint count = buckets[gl_LocalInvocationID.x];
+  uint list = gl_WorkGroupID.x, begin = 0u;
+  for (uint i = 0u; i < gl_LocalInvocationID.x; ++i) begin += buckets[list][i];
+  uint count = buckets[list][gl_LocalInvocationID.x];
   memoryBarrierBuffer();
   barrier();
-  buckets[gl_LocalInvocationID.x] = begin;
-  if (gl_LocalInvocationID.x == 255u) command_count[0] = begin + count;
+  buckets[list][gl_LocalInvocationID.x] = begin;
+  if (gl_LocalInvocationID.x == 255u) command_count[list] = begin + count;
 }
 )";
 
