@@ -21,7 +21,8 @@ layout(std140, binding = 0) uniform Frame {
   vec4 forward;       // w: distance of the near plane
   ivec4 size;         // width, height, number of planes, perspective or not
   vec4 depth;         // x: share by which interpolated depth may be off; y: radius about the eye that holds the near plane
-  vec4 window[4];     // rows of the matrix from points relative to the eye to (x, y, depth, 1) times w, pixels
+  vec4 shade;         // x, y: from the depth of a plane in the middle to its normal's z; z, w: middle of the window
+  vec4 up;            // the world's up in view space
 } frame;
 )";
 
@@ -84,10 +85,9 @@ void main() {
 #endif
   shaded = vec4(colour, 1.0);
 #ifdef LIT
-  // The triangle's plane, which is linear in the window too, brought back: cheaper than points at three pixels.
-  vec3 n = slope.x * frame.window[0].xyz + slope.y * frame.window[1].xyz - frame.window[2].xyz +
-           (z - dot(slope, gl_FragCoord.xy)) * frame.window[3].xyz;
-  shaded.rgb *= 0.35 + (0.4 * abs(dot(n, frame.forward.xyz)) + 0.25 * abs(n.y)) * inversesqrt(max(dot(n, n), 1e-30));
+  // The triangle is a plane in the window too: brought back to view space it needs no points, and few constants.
+  vec3 n = vec3(slope, frame.shade.x * (z + dot(slope, frame.shade.zw - gl_FragCoord.xy)) + frame.shade.y);
+  shaded.rgb *= 0.35 + (0.4 * abs(n.z) + 0.25 * abs(dot(n, frame.up.xyz))) * inversesqrt(max(dot(n, n), 1e-30));
 #endif
   object = id;
 }
@@ -112,7 +112,7 @@ struct FrameBlock {
   glm::vec4 forward;
   glm::ivec4 size;
   glm::vec4 depth;
-  glm::vec4 window[4];
+  glm::vec4 shade, up;
 };
 
 std::uint32_t colour_of(ObjectId id) {
@@ -307,6 +307,7 @@ void SceneDrawing::begin(const View& view, Target& target) {
   forward_ = glm::vec3(view_direction(view));
   near_ = static_cast<float>(view.near);
   widening_ = static_cast<float>(std::max(pixel_size(view) / 16.0, 1e-6));
+  const bool perspective = view.projection == Projection::perspective;
   FrameBlock block{};
   block.clip = glm::mat4(reversed_projection(view));
   block.eye = glm::vec4(eye_, widening_);
@@ -315,14 +316,13 @@ void SceneDrawing::begin(const View& view, Target& target) {
     block.planes[i] = glm::vec4(plane.normal, plane.offset);
   }
   block.forward = glm::vec4(forward_, near_);
-  block.size = {view.width, view.height, frustum_.count, view.projection == Projection::perspective ? 1 : 0};
+  block.size = {view.width, view.height, frustum_.count, perspective ? 1 : 0};
   near_reach_ = static_cast<float>(1.001 * near_corner_distance(view)) + 1e-6f * glm::length(eye_);
   block.depth = {depth_tolerance_, near_reach_, 0.0f, 0.0f};
-  const glm::mat4 rows = glm::transpose(block.clip);
-  block.window[0] = 0.5f * static_cast<float>(view.width) * (rows[0] + rows[3]);
-  block.window[1] = 0.5f * static_cast<float>(view.height) * (rows[1] + rows[3]);
-  block.window[2] = rows[2];
-  block.window[3] = rows[3];
+  const double intercept = std::isinf(view.far) ? 0.0 : (perspective ? view.near : 1.0) / (view.far - view.near);
+  block.shade =
+      glm::dvec4(pixel_size(view) * glm::dvec2(perspective, intercept), 0.5 * glm::dvec2(view.width, view.height));
+  block.up = glm::vec4(glm::conjugate(view.orientation) * glm::dvec3(0.0, 1.0, 0.0), 0.0f);
   glNamedBufferSubData(frame_buffer_.name(), 0, sizeof block, &block);
 
   glBindFramebuffer(GL_FRAMEBUFFER, target.framebuffer());
