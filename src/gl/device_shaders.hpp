@@ -101,21 +101,32 @@ void main() {
 }
 )";
 
-/// One level of the pyramid: the farthest (smallest) depth of 2 x 2 of the level below, or of 4 x 4 of the picture.
-inline constexpr char pyramid_glsl[] = R"(
+/// The lowest level of the pyramid: the farthest (smallest) depth of 4 x 4 pixels. Beyond the picture the edge is
+/// repeated.
+inline constexpr char lowest_level_glsl[] = R"(#version 450 core
 layout(local_size_x = 8, local_size_y = 8) in;
-layout(binding = 0) uniform sampler2D below;
+layout(binding = 0) uniform sampler2D depth;
 layout(binding = 0, r32f) writeonly uniform image2D above;
-layout(location = 0) uniform int level_below;
-layout(location = 1) uniform ivec2 last;  // of the level below that belongs to the picture
-const int side = SIDE;
 void main() {
   ivec2 p = ivec2(gl_GlobalInvocationID.xy);
-  if (any(greaterThan(side * p, last))) return;
-  float farthest = 1.0;
-  for (int y = 0; y < side; ++y)
-    for (int x = 0; x < side; ++x)
-      farthest = min(farthest, texelFetch(below, min(side * p + ivec2(x, y), last), level_below).r);
+  vec2 pixel = 1.0 / vec2(textureSize(depth, 0)), corner = (4.0 * vec2(p) + 1.0) * pixel;
+  vec4 farthest = textureGather(depth, corner);  // the four pixels around a point
+  farthest = min(farthest, textureGather(depth, corner + vec2(2.0, 0.0) * pixel));
+  farthest = min(farthest, textureGather(depth, corner + vec2(0.0, 2.0) * pixel));
+  farthest = min(farthest, textureGather(depth, corner + vec2(2.0, 2.0) * pixel));
+  imageStore(above, p, vec4(min(min(farthest.x, farthest.y), min(farthest.z, farthest.w))));
+}
+)";
+
+/// Each level above: 2 x 2 of the level below. Beyond the picture it is 1, the nearest, which changes no minimum.
+inline constexpr char level_glsl[] = R"(#version 450 core
+layout(local_size_x = 8, local_size_y = 8) in;
+layout(binding = 0, r32f) readonly uniform image2D below;
+layout(binding = 1, r32f) writeonly uniform image2D above;
+void main() {
+  ivec2 p = ivec2(gl_GlobalInvocationID.xy), a = 2 * p, b = min(a + 1, imageSize(below) - 1);
+  float farthest = min(min(imageLoad(below, a).r, imageLoad(below, ivec2(b.x, a.y)).r),
+                       min(imageLoad(below, ivec2(a.x, b.y)).r, imageLoad(below, b).r));
   imageStore(above, p, vec4(farthest));
 }
 )";
@@ -155,42 +166,48 @@ bool hidden(vec3 lo, vec3 hi) {
 }
 )";
 
-/// Phase two: the groups against the pyramid.
-inline constexpr char groups_glsl[] = R"(
+// ---- kernels are a function for each group, or for each object of the groups that were seen, and one of these two
+
+inline constexpr char each_group_glsl[] = R"(
 layout(local_size_x = GROUP) in;
 void main() {
   uint g = gl_GlobalInvocationID.x;
-  if (g >= uint(groups.length())) return;
-  vec3 lo = groups[g].lo.xyz, hi = groups[g].hi.xyz;
-  if (!outside(lo, hi) && !hidden(lo, hi)) seen_groups[atomicAdd(seen_group_count, 1u)] = g;
+  if (g < uint(groups.length())) visit(g, groups[g].lo.xyz, groups[g].hi.xyz);
 }
 )";
 
-/// Then the objects of groups that were seen.
-inline constexpr char objects_glsl[] = R"(
+inline constexpr char each_object_glsl[] = R"(
 layout(local_size_x = GROUP) in;
 void main() {
   for (uint i = gl_WorkGroupID.x; i < seen_group_count; i += gl_NumWorkGroups.x) {
     uint g = seen_groups[i];
     if (gl_LocalInvocationID.x >= groups[g].range.y) continue;
     uint place = groups[g].range.x + gl_LocalInvocationID.x, id = items[place];
-    if (id >= no_candidate) continue;
-    vec3 lo = bounds[2u * id].xyz, hi = bounds[2u * id + 1u].xyz;
-    if (!outside(lo, hi) && !hidden(lo, hi)) note_seen(place, id);
+    if (id < no_candidate) visit(place, id, bounds[2u * id].xyz, bounds[2u * id + 1u].xyz);
   }
+}
+)";
+
+// ---- tests against the pyramid; follow hidden_glsl
+
+inline constexpr char test_group_glsl[] = R"(
+void visit(uint g, vec3 lo, vec3 hi) {
+  if (!outside(lo, hi) && !hidden(lo, hi)) seen_groups[atomicAdd(seen_group_count, 1u)] = g;
+}
+)";
+
+inline constexpr char test_object_glsl[] = R"(
+void visit(uint place, uint id, vec3 lo, vec3 hi) {
+  if (!outside(lo, hi) && !hidden(lo, hi)) note_seen(place, id);
 }
 )";
 
 // ---- boxes that write
 
 /// Which boxes are drawn: first the groups in the frustum.
-inline constexpr char group_boxes_glsl[] = R"(
-layout(local_size_x = GROUP) in;
+inline constexpr char group_box_glsl[] = R"(
 layout(std430, binding = 9) writeonly buffer List { uint list[]; };
-void main() {
-  uint g = gl_GlobalInvocationID.x;
-  if (g >= uint(groups.length())) return;
-  vec3 lo = groups[g].lo.xyz, hi = groups[g].hi.xyz;
+void visit(uint g, vec3 lo, vec3 hi) {
   if (outside(lo, hi)) return;
   if (near_or_inside(lo, hi)) seen[object_count() + g] = now;
   else list[atomicAdd(boxes[0][1], 1u)] = g;
@@ -198,30 +215,26 @@ void main() {
 )";
 
 /// The groups that were seen become a list: invocations that have nothing to do are not free everywhere.
-inline constexpr char seen_groups_glsl[] = R"(
-layout(local_size_x = GROUP) in;
-void main() {
-  uint g = gl_GlobalInvocationID.x;
-  if (g < uint(groups.length()) && seen[object_count() + g] == now)
-    seen_groups[atomicAdd(seen_group_count, 1u)] = g;
+inline constexpr char list_seen_group_glsl[] = R"(
+void visit(uint g, vec3 lo, vec3 hi) {
+  if (seen[object_count() + g] == now) seen_groups[atomicAdd(seen_group_count, 1u)] = g;
 }
 )";
 
 /// Then the objects of those groups.
-inline constexpr char object_boxes_glsl[] = R"(
-layout(local_size_x = GROUP) in;
+inline constexpr char object_box_glsl[] = R"(
 layout(std430, binding = 9) writeonly buffer List { uint list[]; };
-void main() {
-  for (uint i = gl_WorkGroupID.x; i < seen_group_count; i += gl_NumWorkGroups.x) {
-    uint g = seen_groups[i];
-    if (gl_LocalInvocationID.x >= groups[g].range.y) continue;
-    uint id = items[groups[g].range.x + gl_LocalInvocationID.x];
-    if (id >= no_candidate) continue;
-    vec3 lo = bounds[2u * id].xyz, hi = bounds[2u * id + 1u].xyz;
-    if (outside(lo, hi)) continue;
-    if (near_or_inside(lo, hi)) seen[id] = now;
-    else list[atomicAdd(boxes[1][1], 1u)] = id;
-  }
+void visit(uint place, uint id, vec3 lo, vec3 hi) {
+  if (outside(lo, hi)) return;
+  if (near_or_inside(lo, hi)) seen[id] = now;
+  else list[atomicAdd(boxes[1][1], 1u)] = id;
+}
+)";
+
+/// After the boxes: what is seen.
+inline constexpr char note_seen_object_glsl[] = R"(
+void visit(uint place, uint id, vec3 lo, vec3 hi) {
+  if (seen[id] == now) note_seen(place, id);
 }
 )";
 
@@ -244,19 +257,6 @@ layout(early_fragment_tests) in;
 layout(std430, binding = 4) buffer Seen { uint seen[]; };
 flat in uvec2 flag;
 void main() { if (seen[flag.x] != flag.y) seen[flag.x] = flag.y; }
-)";
-
-/// After the boxes: what is seen.
-inline constexpr char newly_glsl[] = R"(
-layout(local_size_x = GROUP) in;
-void main() {
-  for (uint i = gl_WorkGroupID.x; i < seen_group_count; i += gl_NumWorkGroups.x) {
-    uint g = seen_groups[i];
-    if (gl_LocalInvocationID.x >= groups[g].range.y) continue;
-    uint place = groups[g].range.x + gl_LocalInvocationID.x, id = items[place];
-    if (id < no_candidate && seen[id] == now) note_seen(place, id);
-  }
-}
 )";
 
 }  // namespace sightline::gl

@@ -7,6 +7,7 @@
 #include "gl/registry.hpp"
 #include "gl/with_context.hpp"
 #include "sightline/registry.hpp"
+#include "sightline/scene/generate/shapes.hpp"
 #include "sightline/scene/input_error.hpp"
 
 namespace sightline::gl {
@@ -41,6 +42,48 @@ TEST_F(Drawing, ShowsWhatTheSoftwareRendererShows) {
     if (truth.object.size() > 1000) {
       EXPECT_LT(disagreement(truth, comparison.reference()), 0.02) << describe(view);
     }
+  }
+}
+
+// Back faces are left out where nobody can see them, and nowhere else: an open box, a mirrored solid, one turned inside
+// out, and a solid with the eye in it or the near plane through it show the inside of their far wall.
+TEST_F(Drawing, OnlySolidsSeenFromOutsideAreOneSided) {
+  const Mesh box = make_box({-1, -1, -1}, {1, 1, 1});
+  Mesh open = box, inverted = box;
+  open.triangles.pop_back();
+  for (glm::uvec3& t : inverted.triangles) std::swap(t.y, t.z);
+  Affine mirrored = cases::at({0, 10, 0});
+  mirrored[0] = -mirrored[0];
+  SceneBuilder builder;
+  const MeshId solid = builder.add_mesh(box);
+  builder.add_object(solid, cases::at({0, 0, 0}));
+  builder.add_object(builder.add_mesh(open), cases::at({10, 0, 0}));
+  builder.add_object(builder.add_mesh(inverted), cases::at({20, 0, 0}));
+  builder.add_object(solid, mirrored);
+  const Scene scene = builder.build();
+  SceneDrawing drawing(*context(), scene);
+  Target target;
+  const auto one_sided = [&](const glm::dvec3& eye) {
+    View view = look_along(eye, {0, 0, -1});
+    view.width = 64;
+    view.height = 36;
+    drawing.begin(view, target);
+    std::vector<bool> answers;
+    for (ObjectId id = 0; id < 4; ++id) answers.push_back(drawing.one_sided(id));
+    return answers;
+  };
+  EXPECT_EQ(one_sided({0, 0, 5}), (std::vector<bool>{true, false, false, false}));
+  EXPECT_EQ(one_sided({0, 0, 1.05}), std::vector<bool>(4, false));  // the near plane, 0.1 m off, opens it
+  EXPECT_EQ(one_sided({0, 0, 0}), std::vector<bool>(4, false));
+
+  // From inside, all four show their walls in every pixel.
+  for (const glm::dvec3& eye : {glm::dvec3(0), glm::dvec3(10, 0, 0), glm::dvec3(20, 0, 0), glm::dvec3(0, 10, 0)}) {
+    (void)one_sided(eye);
+    const ObjectId ids[] = {0, 1, 2, 3};
+    drawing.draw(ids);
+    std::vector<std::uint32_t> seen;
+    target.read_ids(seen);
+    EXPECT_EQ(std::count(seen.begin(), seen.end(), no_object), 0) << eye.x << " " << eye.y;
   }
 }
 
