@@ -11,7 +11,7 @@ namespace {
 
 constexpr std::uint32_t group_size = 32;
 constexpr std::uint32_t most_workgroups = 256;
-constexpr std::uint32_t no_buckets[256] = {};
+constexpr std::uint32_t no_buckets[2][256] = {};
 
 struct Group {
   glm::vec4 lo, hi;
@@ -20,7 +20,7 @@ struct Group {
 
 /// As the shaders see it.
 struct Counts {
-  std::uint32_t commands[2] = {0, 0};
+  std::uint32_t commands[4] = {0, 0, 0, 0};
   std::uint32_t now = 0, read_list = 0;
   std::uint32_t boxes[2][4] = {{14, 0, 0, 0}, {14, 0, 0, 0}};  // a box is a strip of 14 corners
   std::uint32_t seen_groups = 0;
@@ -41,7 +41,7 @@ class DeviceCulling : public Method {
     drawn_first_ = make_buffer(std::vector<std::uint32_t>(objects));
     seen_groups_ = make_buffer(groups_.size() * sizeof(std::uint32_t));
     places_ = make_buffer(2 * objects * sizeof(std::uint32_t));
-    commands_ = make_buffer(2 * objects * sizeof(DrawCommand));
+    commands_ = make_buffer(4 * objects * sizeof(DrawCommand));
     counts_ = make_buffer(sizeof(Counts));
     buckets_ = make_buffer(sizeof no_buckets);
     first_ = make_kernel(first_glsl);
@@ -75,7 +75,8 @@ class DeviceCulling : public Method {
     ++drawing_.work().state_changes;
     drawing_.work().queries += object_count();
     glMemoryBarrier(GL_COMMAND_BARRIER_BIT | GL_SHADER_STORAGE_BARRIER_BIT);
-    drawing_.draw_indirect(commands_.name(), object_count(), counts_.name(), sizeof(std::uint32_t), object_count());
+    drawing_.draw_indirect(commands_.name(), 2 * std::size_t{object_count()}, counts_.name(), 2 * sizeof(std::uint32_t),
+                           object_count());
     counted_ = false;
   }
 
@@ -98,14 +99,14 @@ class DeviceCulling : public Method {
     glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 11, buckets_.name());
     glProgramUniform1i(first_.name(), 0, 0);
     run_for_objects(first_);
-    run(begin_buckets_, 1);
+    run(begin_buckets_, 2);
     glProgramUniform1i(first_.name(), 0, 1);
     run_for_objects(first_);
   }
 
   /// A program of a compute shader that sees all buffers.
-  static Program make_kernel(std::string source, const std::string& functions = "") {
-    source = SceneDrawing::frame_block() + buffers_glsl + functions + source;
+  static Program make_kernel(std::string source) {
+    source = SceneDrawing::frame_block() + buffers_glsl + source;
     if (const std::size_t at = source.find("GROUP"); at != std::string::npos)
       source.replace(at, 5, std::to_string(group_size));
     return make_compute_program(source);
@@ -193,11 +194,11 @@ class DeviceCulling : public Method {
   void read_drawn() {
     counted_ = true;
     drawn_.clear();
-    std::uint32_t counts[2];
+    std::uint32_t counts[4];
     glMemoryBarrier(GL_BUFFER_UPDATE_BARRIER_BIT);
     glGetNamedBufferSubData(counts_.name(), 0, sizeof counts, counts);
     std::vector<DrawCommand> commands;
-    for (std::uint32_t list = 0; list < 2; ++list) {
+    for (std::uint32_t list = 0; list < 4; ++list) {
       commands.resize(counts[list]);
       if (commands.empty()) continue;
       glGetNamedBufferSubData(commands_.name(), static_cast<GLintptr>(list * object_count() * sizeof(DrawCommand)),
@@ -224,13 +225,10 @@ class Hzb final : public DeviceCulling {
   Hzb(SceneDrawing& drawing, int finer) : DeviceCulling(drawing) {
     std::string hidden = hidden_glsl;
     hidden.replace(hidden.find("FINER"), 5, std::to_string(finer));
-    of_groups_ = make_kernel(groups_glsl, hidden);
-    of_objects_ = make_kernel(objects_glsl, hidden);
-    for (int i = 0; i < 2; ++i) {
-      std::string level = std::string("#version 450 core\n") + pyramid_glsl;
-      level.replace(level.find("SIDE"), 4, i == 0 ? "4" : "2");
-      level_programs_[i] = make_compute_program(level);
-    }
+    of_groups_ = make_kernel(hidden + test_group_glsl + each_group_glsl);
+    of_objects_ = make_kernel(hidden + test_object_glsl + each_object_glsl);
+    lowest_level_ = make_compute_program(lowest_level_glsl);
+    next_level_ = make_compute_program(level_glsl);
   }
 
  private:
@@ -245,50 +243,52 @@ class Hzb final : public DeviceCulling {
 
   void build_pyramid() {
     const int width = (drawing_.target().width() + 3) / 4, height = (drawing_.target().height() + 3) / 4;
-    if (!pyramid_ || width != width_ || height != height_) {
-      GLuint name = 0;
-      glCreateTextures(GL_TEXTURE_2D, 1, &name);
-      pyramid_ = Texture(name);
-      width_ = width;
-      height_ = height;
-      // Sizes that round down would lose the last row: the pyramid has power-of-two sides.
-      side_x_ = side_y_ = 1;
-      while (side_x_ < width) side_x_ *= 2;
-      while (side_y_ < height) side_y_ *= 2;
-      levels_ = 1;
-      while ((std::max(side_x_, side_y_) >> levels_) > 0) ++levels_;
-      glTextureStorage2D(name, levels_, GL_R32F, side_x_, side_y_);
-      glTextureParameteri(name, GL_TEXTURE_MIN_FILTER, GL_NEAREST_MIPMAP_NEAREST);
-      glTextureParameteri(name, GL_TEXTURE_MAG_FILTER, GL_NEAREST);
-    }
+    if (!pyramid_ || width != width_ || height != height_) make_pyramid(width, height);
     for (int level = 0; level < levels_; ++level) {
-      glUseProgram(level_programs_[level == 0 ? 0 : 1].name());
-      glBindTextureUnit(0, level == 0 ? drawing_.target().depth_texture() : pyramid_.name());
-      glBindImageTexture(0, pyramid_.name(), level, GL_FALSE, 0, GL_WRITE_ONLY, GL_R32F);
-      glUniform1i(0, std::max(0, level - 1));
+      glUseProgram((level == 0 ? lowest_level_ : next_level_).name());
       if (level == 0)
-        glUniform2i(1, drawing_.target().width() - 1, drawing_.target().height() - 1);
+        glBindTextureUnit(0, drawing_.target().depth_texture());
       else
-        glUniform2i(1, (width_ - 1) >> (level - 1), (height_ - 1) >> (level - 1));
-      const int w = ((width_ - 1) >> level) + 1, h = ((height_ - 1) >> level) + 1;
+        glBindImageTexture(0, pyramid_.name(), level - 1, GL_FALSE, 0, GL_READ_ONLY, GL_R32F);
+      glBindImageTexture(level == 0 ? 0 : 1, pyramid_.name(), level, GL_FALSE, 0, GL_WRITE_ONLY, GL_R32F);
+      const int w = ((width - 1) >> level) + 1, h = ((height - 1) >> level) + 1;
       glDispatchCompute(static_cast<GLuint>(w + 7) / 8, static_cast<GLuint>(h + 7) / 8, 1);
       glMemoryBarrier(GL_TEXTURE_FETCH_BARRIER_BIT | GL_SHADER_IMAGE_ACCESS_BARRIER_BIT);
     }
   }
 
+  /// Sizes that round down would lose the last row: the pyramid has power-of-two sides.
+  void make_pyramid(int width, int height) {
+    width_ = width;
+    height_ = height;
+    GLsizei side_x = 1, side_y = 1;
+    while (side_x < width) side_x *= 2;
+    while (side_y < height) side_y *= 2;
+    levels_ = 1;
+    while ((std::max(side_x, side_y) >> levels_) > 0) ++levels_;
+    GLuint name = 0;
+    glCreateTextures(GL_TEXTURE_2D, 1, &name);
+    pyramid_ = Texture(name);
+    glTextureStorage2D(name, levels_, GL_R32F, side_x, side_y);
+    glTextureParameteri(name, GL_TEXTURE_MIN_FILTER, GL_NEAREST_MIPMAP_NEAREST);
+    glTextureParameteri(name, GL_TEXTURE_MAG_FILTER, GL_NEAREST);
+    const float nearest = 1.0f;
+    for (int level = 0; level < levels_; ++level) glClearTexImage(name, level, GL_RED, GL_FLOAT, &nearest);
+  }
+
   Program of_groups_, of_objects_;
-  Program level_programs_[2];  // the lowest level, all others
+  Program lowest_level_, next_level_;
   Texture pyramid_;
-  int width_ = 0, height_ = 0, side_x_ = 1, side_y_ = 1, levels_ = 1;
+  int width_ = 0, height_ = 0, levels_ = 1;
 };
 
 class Raster final : public DeviceCulling {
  public:
   explicit Raster(SceneDrawing& drawing) : DeviceCulling(drawing) {
-    group_boxes_ = make_kernel(group_boxes_glsl);
-    list_groups_ = make_kernel(seen_groups_glsl);
-    object_boxes_ = make_kernel(object_boxes_glsl);
-    newly_ = make_kernel(newly_glsl);
+    group_boxes_ = make_kernel(std::string(group_box_glsl) + each_group_glsl);
+    list_groups_ = make_kernel(std::string(list_seen_group_glsl) + each_group_glsl);
+    object_boxes_ = make_kernel(std::string(object_box_glsl) + each_object_glsl);
+    newly_ = make_kernel(std::string(note_seen_object_glsl) + each_object_glsl);
     draw_boxes_ = make_program(SceneDrawing::frame_block() + buffers_glsl + box_vertex_glsl, box_fragment_glsl);
     list_ = make_buffer(std::max<std::size_t>(object_count(), group_count()) * sizeof(std::uint32_t));
   }

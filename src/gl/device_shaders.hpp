@@ -16,9 +16,9 @@ layout(std430, binding = 3) readonly buffer Items { uint items[]; };
 layout(std430, binding = 4) buffer Seen { uint seen[]; };      // objects, then groups: frame in which it was seen
 layout(std430, binding = 5) buffer Drawn { uint drawn[]; };    // objects: frame in which it was drawn first
 layout(std430, binding = 6) readonly buffer Templates { Command templates[]; };
-layout(std430, binding = 7) buffer Out { Command commands[]; };  // two lists
+layout(std430, binding = 7) buffer Out { Command commands[]; };  // four lists: for each phase one-sided objects, others
 layout(std430, binding = 8) buffer Counts {
-  uint command_count[2];  // of the two lists
+  uint command_count[4];  // of the four lists
   uint now, read_list;    // number of the frame; which list of places tells what the last frame saw
   uint boxes[2][4];       // indirect draws of boxes
   uint seen_group_count;
@@ -46,20 +46,25 @@ bool near_or_inside(vec3 lo, vec3 hi) {
 
 uint object_count() { return uint(bounds.length() / 2); }
 
-void append(uint list, uint id) { commands[list * object_count() + atomicAdd(command_count[list], 1u)] = templates[id]; }
+/// The list of a phase that an object belongs to.
+uint list_of(uint phase, uint id) {
+  return 2u * phase + (one_sided(bounds[2u * id].w > 0.0, bounds[2u * id].xyz, bounds[2u * id + 1u].xyz) ? 0u : 1u);
+}
 
 /// For the next frame, and for this one unless it was drawn already.
 void note_seen(uint place, uint id) {
-  uint list = 1u - read_list;
-  places[list * object_count() + atomicAdd(place_count[list], 1u)] = place;
-  if (drawn[id] != now) append(1u, id);
+  uint written = 1u - read_list;
+  places[written * object_count() + atomicAdd(place_count[written], 1u)] = place;
+  if (drawn[id] == now) return;
+  uint list = list_of(1u, id);
+  commands[list * object_count() + atomicAdd(command_count[list], 1u)] = templates[id];
 }
 )";
 
 /// Phase one: what was seen in the last frame, from front to back: counted into buckets by distance, then placed.
 inline constexpr char first_glsl[] = R"(
 layout(local_size_x = GROUP) in;
-layout(std430, binding = 11) buffer Buckets { uint buckets[256]; };
+layout(std430, binding = 11) buffer Buckets { uint buckets[2][256]; };
 layout(location = 0) uniform int placing;  // 0: count, 1: place
 
 /// An eighth of an octave of distance each.
@@ -72,44 +77,56 @@ void main() {
   for (uint i = gl_GlobalInvocationID.x; i < place_count[read_list]; i += gl_WorkGroupSize.x * gl_NumWorkGroups.x) {
     uint id = items[places[read_list * object_count() + i]];
     if (id >= no_candidate || outside(bounds[2u * id].xyz, bounds[2u * id + 1u].xyz)) continue;
-    uint place = atomicAdd(buckets[bucket_of(id)], 1u);
+    uint list = list_of(0u, id);
+    uint place = atomicAdd(buckets[list][bucket_of(id)], 1u);
     if (placing == 0) continue;
     drawn[id] = now;
-    commands[place] = templates[id];
+    commands[list * object_count() + place] = templates[id];
   }
 }
 )";
 
-/// Between the two: where each bucket begins, and how many there are in all.
+/// Between the two: where each bucket of a list begins, and how many there are in all. A workgroup for each list.
 inline constexpr char buckets_glsl[] = R"(
 layout(local_size_x = 256) in;
-layout(std430, binding = 11) buffer Buckets { uint buckets[256]; };
+layout(std430, binding = 11) buffer Buckets { uint buckets[2][256]; };
 void main() {
-  uint begin = 0u;
-  for (uint i = 0u; i < gl_LocalInvocationID.x; ++i) begin += buckets[i];
-  uint count = buckets[gl_LocalInvocationID.x];
+  uint list = gl_WorkGroupID.x, begin = 0u;
+  for (uint i = 0u; i < gl_LocalInvocationID.x; ++i) begin += buckets[list][i];
+  uint count = buckets[list][gl_LocalInvocationID.x];
   memoryBarrierBuffer();
   barrier();
-  buckets[gl_LocalInvocationID.x] = begin;
-  if (gl_LocalInvocationID.x == 255u) command_count[0] = begin + count;
+  buckets[list][gl_LocalInvocationID.x] = begin;
+  if (gl_LocalInvocationID.x == 255u) command_count[list] = begin + count;
 }
 )";
 
-/// One level of the pyramid: the farthest (smallest) depth of 2 x 2 of the level below, or of 4 x 4 of the picture.
-inline constexpr char pyramid_glsl[] = R"(
+/// The lowest level of the pyramid: the farthest (smallest) depth of 4 x 4 pixels. Beyond the picture the edge is
+/// repeated.
+inline constexpr char lowest_level_glsl[] = R"(#version 450 core
 layout(local_size_x = 8, local_size_y = 8) in;
-layout(binding = 0) uniform sampler2D below;
+layout(binding = 0) uniform sampler2D depth;
 layout(binding = 0, r32f) writeonly uniform image2D above;
-layout(location = 0) uniform int level_below;
-layout(location = 1) uniform ivec2 last;  // of the level below that belongs to the picture
-const int side = SIDE;
 void main() {
   ivec2 p = ivec2(gl_GlobalInvocationID.xy);
-  if (any(greaterThan(side * p, last))) return;
-  float farthest = 1.0;
-  for (int y = 0; y < side; ++y)
-    for (int x = 0; x < side; ++x)
-      farthest = min(farthest, texelFetch(below, min(side * p + ivec2(x, y), last), level_below).r);
+  vec2 pixel = 1.0 / vec2(textureSize(depth, 0)), corner = (4.0 * vec2(p) + 1.0) * pixel;
+  vec4 farthest = textureGather(depth, corner);  // the four pixels around a point
+  farthest = min(farthest, textureGather(depth, corner + vec2(2.0, 0.0) * pixel));
+  farthest = min(farthest, textureGather(depth, corner + vec2(0.0, 2.0) * pixel));
+  farthest = min(farthest, textureGather(depth, corner + vec2(2.0, 2.0) * pixel));
+  imageStore(above, p, vec4(min(min(farthest.x, farthest.y), min(farthest.z, farthest.w))));
+}
+)";
+
+/// Each level above: 2 x 2 of the level below. Beyond the picture it is 1, the nearest, which changes no minimum.
+inline constexpr char level_glsl[] = R"(#version 450 core
+layout(local_size_x = 8, local_size_y = 8) in;
+layout(binding = 0, r32f) readonly uniform image2D below;
+layout(binding = 1, r32f) writeonly uniform image2D above;
+void main() {
+  ivec2 p = ivec2(gl_GlobalInvocationID.xy), a = 2 * p, b = min(a + 1, imageSize(below) - 1);
+  float farthest = min(min(imageLoad(below, a).r, imageLoad(below, ivec2(b.x, a.y)).r),
+                       min(imageLoad(below, ivec2(a.x, b.y)).r, imageLoad(below, b).r));
   imageStore(above, p, vec4(farthest));
 }
 )";
@@ -149,42 +166,48 @@ bool hidden(vec3 lo, vec3 hi) {
 }
 )";
 
-/// Phase two: the groups against the pyramid.
-inline constexpr char groups_glsl[] = R"(
+// ---- kernels are a function for each group, or for each object of the groups that were seen, and one of these two
+
+inline constexpr char each_group_glsl[] = R"(
 layout(local_size_x = GROUP) in;
 void main() {
   uint g = gl_GlobalInvocationID.x;
-  if (g >= uint(groups.length())) return;
-  vec3 lo = groups[g].lo.xyz, hi = groups[g].hi.xyz;
-  if (!outside(lo, hi) && !hidden(lo, hi)) seen_groups[atomicAdd(seen_group_count, 1u)] = g;
+  if (g < uint(groups.length())) visit(g, groups[g].lo.xyz, groups[g].hi.xyz);
 }
 )";
 
-/// Then the objects of groups that were seen.
-inline constexpr char objects_glsl[] = R"(
+inline constexpr char each_object_glsl[] = R"(
 layout(local_size_x = GROUP) in;
 void main() {
   for (uint i = gl_WorkGroupID.x; i < seen_group_count; i += gl_NumWorkGroups.x) {
     uint g = seen_groups[i];
     if (gl_LocalInvocationID.x >= groups[g].range.y) continue;
     uint place = groups[g].range.x + gl_LocalInvocationID.x, id = items[place];
-    if (id >= no_candidate) continue;
-    vec3 lo = bounds[2u * id].xyz, hi = bounds[2u * id + 1u].xyz;
-    if (!outside(lo, hi) && !hidden(lo, hi)) note_seen(place, id);
+    if (id < no_candidate) visit(place, id, bounds[2u * id].xyz, bounds[2u * id + 1u].xyz);
   }
+}
+)";
+
+// ---- tests against the pyramid; follow hidden_glsl
+
+inline constexpr char test_group_glsl[] = R"(
+void visit(uint g, vec3 lo, vec3 hi) {
+  if (!outside(lo, hi) && !hidden(lo, hi)) seen_groups[atomicAdd(seen_group_count, 1u)] = g;
+}
+)";
+
+inline constexpr char test_object_glsl[] = R"(
+void visit(uint place, uint id, vec3 lo, vec3 hi) {
+  if (!outside(lo, hi) && !hidden(lo, hi)) note_seen(place, id);
 }
 )";
 
 // ---- boxes that write
 
 /// Which boxes are drawn: first the groups in the frustum.
-inline constexpr char group_boxes_glsl[] = R"(
-layout(local_size_x = GROUP) in;
+inline constexpr char group_box_glsl[] = R"(
 layout(std430, binding = 9) writeonly buffer List { uint list[]; };
-void main() {
-  uint g = gl_GlobalInvocationID.x;
-  if (g >= uint(groups.length())) return;
-  vec3 lo = groups[g].lo.xyz, hi = groups[g].hi.xyz;
+void visit(uint g, vec3 lo, vec3 hi) {
   if (outside(lo, hi)) return;
   if (near_or_inside(lo, hi)) seen[object_count() + g] = now;
   else list[atomicAdd(boxes[0][1], 1u)] = g;
@@ -192,30 +215,26 @@ void main() {
 )";
 
 /// The groups that were seen become a list: invocations that have nothing to do are not free everywhere.
-inline constexpr char seen_groups_glsl[] = R"(
-layout(local_size_x = GROUP) in;
-void main() {
-  uint g = gl_GlobalInvocationID.x;
-  if (g < uint(groups.length()) && seen[object_count() + g] == now)
-    seen_groups[atomicAdd(seen_group_count, 1u)] = g;
+inline constexpr char list_seen_group_glsl[] = R"(
+void visit(uint g, vec3 lo, vec3 hi) {
+  if (seen[object_count() + g] == now) seen_groups[atomicAdd(seen_group_count, 1u)] = g;
 }
 )";
 
 /// Then the objects of those groups.
-inline constexpr char object_boxes_glsl[] = R"(
-layout(local_size_x = GROUP) in;
+inline constexpr char object_box_glsl[] = R"(
 layout(std430, binding = 9) writeonly buffer List { uint list[]; };
-void main() {
-  for (uint i = gl_WorkGroupID.x; i < seen_group_count; i += gl_NumWorkGroups.x) {
-    uint g = seen_groups[i];
-    if (gl_LocalInvocationID.x >= groups[g].range.y) continue;
-    uint id = items[groups[g].range.x + gl_LocalInvocationID.x];
-    if (id >= no_candidate) continue;
-    vec3 lo = bounds[2u * id].xyz, hi = bounds[2u * id + 1u].xyz;
-    if (outside(lo, hi)) continue;
-    if (near_or_inside(lo, hi)) seen[id] = now;
-    else list[atomicAdd(boxes[1][1], 1u)] = id;
-  }
+void visit(uint place, uint id, vec3 lo, vec3 hi) {
+  if (outside(lo, hi)) return;
+  if (near_or_inside(lo, hi)) seen[id] = now;
+  else list[atomicAdd(boxes[1][1], 1u)] = id;
+}
+)";
+
+/// After the boxes: what is seen.
+inline constexpr char note_seen_object_glsl[] = R"(
+void visit(uint place, uint id, vec3 lo, vec3 hi) {
+  if (seen[id] == now) note_seen(place, id);
 }
 )";
 
@@ -238,19 +257,6 @@ layout(early_fragment_tests) in;
 layout(std430, binding = 4) buffer Seen { uint seen[]; };
 flat in uvec2 flag;
 void main() { if (seen[flag.x] != flag.y) seen[flag.x] = flag.y; }
-)";
-
-/// After the boxes: what is seen.
-inline constexpr char newly_glsl[] = R"(
-layout(local_size_x = GROUP) in;
-void main() {
-  for (uint i = gl_WorkGroupID.x; i < seen_group_count; i += gl_NumWorkGroups.x) {
-    uint g = seen_groups[i];
-    if (gl_LocalInvocationID.x >= groups[g].range.y) continue;
-    uint place = groups[g].range.x + gl_LocalInvocationID.x, id = items[place];
-    if (id < no_candidate && seen[id] == now) note_seen(place, id);
-  }
-}
 )";
 
 }  // namespace sightline::gl

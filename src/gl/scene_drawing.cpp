@@ -1,5 +1,4 @@
-// OpenGL 4.5 with direct state access; somewhat above 400 lines because buffers, states and shaders of one drawing
-// stand together.
+// OpenGL 4.5 with direct state access.
 #include "gl/scene_drawing.hpp"
 
 #include <algorithm>
@@ -7,108 +6,12 @@
 #include <glm/gtc/type_ptr.hpp>
 
 #include "gl/projection.hpp"
+#include "gl/scene_shaders.hpp"
+#include "sightline/parallel/parallel.hpp"
+#include "sightline/scene/solid.hpp"
 
 namespace sightline::gl {
 namespace {
-
-constexpr char frame_glsl[] = R"(#version 450 core
-layout(std140, binding = 0) uniform Frame {
-  mat4 clip;          // of points relative to the eye
-  vec4 eye;           // w: half-open widening of boxes for each unit of w
-  vec4 planes[6];     // world space, inside is >= 0
-  vec4 forward;       // w: distance of the near plane
-  ivec4 size;         // width, height, number of planes, perspective or not
-  vec4 depth;         // x: share by which interpolated depth may be off
-} frame;
-)";
-
-/// Boxes that are asked about, for whatever asks; follows frame_glsl.
-constexpr char box_glsl[] = R"(
-float rounding_of(vec3 lo, vec3 hi) {
-  vec3 reach = max(abs(lo), abs(hi));
-  return 1e-6 * max(reach.x, max(reach.y, reach.z));
-}
-
-/// A corner (0 or 1 on each axis) in clip space: widened by 1/16 pixel, so that the box covers each pixel centre that
-/// its content covers, and nearer by what the content's depth may be off, but not before the near plane.
-vec4 asked_corner(vec3 lo, vec3 hi, vec3 corner) {
-  vec3 p = mix(lo, hi, corner) - frame.eye.xyz;
-  float w = (frame.clip * vec4(p, 1.0)).w;
-  float wide = frame.eye.w * abs(w) + rounding_of(lo, hi);
-  vec4 q = frame.clip * vec4(p + (2.0 * corner - 1.0) * wide, 1.0);
-  q.z = min(q.z + frame.depth.x * (frame.size.w == 1 ? abs(q.z) : 1.0), max(q.z, q.w));
-  return q;
-}
-)";
-
-constexpr char object_vertex[] = R"(
-layout(location = 0) in vec3 position;
-layout(location = 1) in vec4 row0;
-layout(location = 2) in vec4 row1;
-layout(location = 3) in vec4 row2;
-layout(location = 4) in uint object;
-layout(location = 5) in vec4 tint;
-#ifdef LIT
-out
-#endif
-vec3 from_eye;
-flat out vec3 colour;
-flat out uint id;
-invariant gl_Position;
-void main() {
-  vec4 p = vec4(position, 1.0);
-  from_eye = vec3(dot(row0, p), dot(row1, p), dot(row2, p)) - frame.eye.xyz;
-  gl_Position = frame.clip * vec4(from_eye, 1.0);
-  colour = tint.rgb;
-  id = object;
-}
-)";
-
-constexpr char object_fragment[] = R"(
-#ifdef LIT
-in vec3 from_eye;
-#endif
-flat in vec3 colour;
-flat in uint id;
-layout(location = 0) out vec4 shaded;
-layout(location = 1) out uint object;
-void main() {
-#ifdef LOOSE_DEPTH
-  // The pixel is covered by corners on a grid of 1/256 pixel, its depth follows from corners off the grid.
-  // Of a triangle without area it may be no number, so this is not the opposite comparison.
-  if (!(fwidth(gl_FragCoord.z) <= 500.0 * frame.depth.x * (frame.size.w == 1 ? gl_FragCoord.z : 1.0))) discard;
-#endif
-  shaded = vec4(colour, 1.0);
-#ifdef LIT
-  vec3 n = cross(dFdx(from_eye), dFdy(from_eye));
-  float facing = abs(dot(n, frame.forward.xyz)) * inversesqrt(max(dot(n, n), 1e-30));
-  float sky = abs(n.y) * inversesqrt(max(dot(n, n), 1e-30));
-  shaded.rgb *= 0.35 + 0.4 * facing + 0.25 * sky;
-#endif
-  object = id;
-}
-)";
-
-constexpr char box_vertex[] = R"(
-layout(location = 0) in vec3 corner;
-layout(location = 1) in vec3 lo;
-layout(location = 2) in vec3 hi;
-void main() { gl_Position = asked_corner(lo, hi, corner); }
-)";
-
-constexpr char box_fragment[] = "void main() {}\n";
-
-/// Corners of the unit cube as a strip of triangles that face outwards.
-constexpr std::uint8_t cube_strip[14] = {6, 7, 2, 3, 1, 7, 5, 6, 4, 2, 0, 1, 4, 5};
-
-struct FrameBlock {
-  glm::mat4 clip;
-  glm::vec4 eye;
-  glm::vec4 planes[6];
-  glm::vec4 forward;
-  glm::ivec4 size;
-  glm::vec4 depth;
-};
 
 std::uint32_t colour_of(ObjectId id) {
   std::uint32_t x = id * 2654435761u;
@@ -137,6 +40,16 @@ void attribute(const VertexArray& array, GLuint location, GLuint binding, GLint 
 void rows_of(const Affine& m, glm::vec4 rows[3]) {
   for (int r = 0; r < 3; ++r) rows[r] = {m[0][r], m[1][r], m[2][r], m[3][r]};
 }
+
+/// Distance of the eye from the corners of the near plane's picture, metres.
+double near_corner_distance(const View& view) {
+  const double aspect = static_cast<double>(view.width) / view.height;
+  const double half_height =
+      view.projection == Projection::perspective ? view.near * std::tan(0.5 * view.fov_y) : 0.5 * view.span_y;
+  return std::hypot(view.near, half_height, half_height * aspect);
+}
+
+bool mirrors(const Affine& m) { return !(glm::determinant(glm::dmat3(m[0], m[1], m[2])) > 0.0); }
 
 /// World bounds of a box under a map, with room for the rounding of a vertex shader.
 Aabb bounds_under(const Affine& transform, const Aabb& box) {
@@ -206,6 +119,11 @@ void SceneDrawing::upload_meshes() {
   }
   if (positions.size() > 0x7fffffffu || triangles.size() > 0xffffffffu / 3)
     throw Unavailable("the scene's meshes have more vertices than an OpenGL index can name");
+  solid_meshes_.resize(by_mesh.size());
+  parallel_blocks(by_mesh.size(), 16, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t m = begin; m < end; ++m)
+      solid_meshes_[m] = solidity_of(scene_.meshes()[m]) == Solidity::solid ? 1 : 0;
+  });
   vertices_ = make_buffer(positions);
   indices_ = make_buffer(triangles);
   for (const Object& object : scene_.objects()) {
@@ -220,10 +138,12 @@ void SceneDrawing::upload_objects() {
   std::vector<glm::vec4> rows(3 * count), boxes(2 * count);
   std::vector<std::uint32_t> ids(count), colours(count), used;
   std::vector<Aabb> used_bounds;
+  solid_.assign(count, 0);
   for (std::uint32_t id = 0; id < count; ++id) {
     rows_of(scene_.objects()[id].transform, &rows[3 * std::size_t{id}]);
     if (commands_[id].index_count == 0) bounds_[id] = Aabb();
-    boxes[2 * std::size_t{id}] = glm::vec4(bounds_[id].lo, 0.0f);
+    solid_[id] = solid_meshes_[scene_.objects()[id].mesh] != 0 && !mirrors(scene_.objects()[id].transform) ? 1 : 0;
+    boxes[2 * std::size_t{id}] = glm::vec4(bounds_[id].lo, solid_[id]);
     boxes[2 * std::size_t{id} + 1] = glm::vec4(bounds_[id].hi, 0.0f);
     ids[id] = id;
     colours[id] = colour_of(id);
@@ -246,7 +166,8 @@ void SceneDrawing::move(ObjectId id, const Affine& transform) {
   rows_of(transform, rows);
   glNamedBufferSubData(transforms_.name(), static_cast<GLintptr>(id * sizeof rows), sizeof rows, rows);
   bounds_[id] = bounds_under(transform, scene_.mesh_of(id).bounds);
-  const glm::vec4 box[2] = {glm::vec4(bounds_[id].lo, 0.0f), glm::vec4(bounds_[id].hi, 0.0f)};
+  solid_[id] = solid_meshes_[scene_.objects()[id].mesh] != 0 && !mirrors(transform) ? 1 : 0;
+  const glm::vec4 box[2] = {glm::vec4(bounds_[id].lo, solid_[id]), glm::vec4(bounds_[id].hi, 0.0f)};
   glNamedBufferSubData(bounds_buffer_.name(), static_cast<GLintptr>(id * sizeof box), sizeof box, box);
   ++revision_;
 }
@@ -284,6 +205,7 @@ void SceneDrawing::begin(const View& view, Target& target) {
   forward_ = glm::vec3(view_direction(view));
   near_ = static_cast<float>(view.near);
   widening_ = static_cast<float>(std::max(pixel_size(view) / 16.0, 1e-6));
+  const bool perspective = view.projection == Projection::perspective;
   FrameBlock block{};
   block.clip = glm::mat4(reversed_projection(view));
   block.eye = glm::vec4(eye_, widening_);
@@ -292,8 +214,13 @@ void SceneDrawing::begin(const View& view, Target& target) {
     block.planes[i] = glm::vec4(plane.normal, plane.offset);
   }
   block.forward = glm::vec4(forward_, near_);
-  block.size = {view.width, view.height, frustum_.count, view.projection == Projection::perspective ? 1 : 0};
-  block.depth.x = depth_tolerance_;
+  block.size = {view.width, view.height, frustum_.count, perspective ? 1 : 0};
+  near_reach_ = static_cast<float>(1.001 * near_corner_distance(view)) + 1e-6f * glm::length(eye_);
+  block.depth = {depth_tolerance_, near_reach_, 0.0f, 0.0f};
+  const double intercept = std::isinf(view.far) ? 0.0 : (perspective ? view.near : 1.0) / (view.far - view.near);
+  block.shade =
+      glm::dvec4(-pixel_size(view) * glm::dvec2(perspective, intercept), 0.5 * glm::dvec2(view.width, view.height));
+  block.up = glm::vec4(glm::conjugate(view.orientation) * glm::dvec3(0.0, 1.0, 0.0), 0.0f);
   glNamedBufferSubData(frame_buffer_.name(), 0, sizeof block, &block);
 
   glBindFramebuffer(GL_FRAMEBUFFER, target.framebuffer());
@@ -342,7 +269,9 @@ void SceneDrawing::enter(Mode mode) {
   boxes_since_draw_ = false;
   glBindVertexArray(object_array_.name());
   glUseProgram(object_program_.name());
-  glDisable(GL_CULL_FACE);  // both sides of a triangle are seen
+  cull_back_faces(false);
+  glCullFace(GL_BACK);
+  glFrontFace(GL_CCW);
   glDisable(GL_POLYGON_OFFSET_FILL);
   glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
   glDepthMask(mode == Mode::objects ? GL_TRUE : GL_FALSE);
@@ -366,15 +295,30 @@ void SceneDrawing::begin_box_mode(unsigned program) {
   glPolygonOffset(1.0f, 8.0f);  // towards the eye, as depth is reversed
 }
 
+void SceneDrawing::cull_back_faces(bool cull) {
+  back_faces_culled_ = cull;
+  if (cull)
+    glEnable(GL_CULL_FACE);
+  else
+    glDisable(GL_CULL_FACE);
+}
+
+bool SceneDrawing::one_sided(ObjectId id) const {
+  return solid_[id] != 0 && (glm::any(glm::lessThan(eye_, bounds_[id].lo - near_reach_)) ||
+                             glm::any(glm::greaterThan(eye_, bounds_[id].hi + near_reach_)));
+}
+
 /// Consecutive ids of one mesh become one instanced call.
 void SceneDrawing::draw_run(const ObjectId* ids, std::size_t count) {
   for (std::size_t i = 0; i < count;) {
     const DrawCommand& command = commands_[ids[i]];
+    const bool cull = one_sided(ids[i]);
     std::size_t n = 1;
     while (i + n < count && ids[i + n] == ids[i] + n && commands_[ids[i + n]].first_index == command.first_index &&
-           commands_[ids[i + n]].index_count == command.index_count)
+           commands_[ids[i + n]].index_count == command.index_count && one_sided(ids[i + n]) == cull)
       ++n;
     if (command.index_count > 0) {
+      if (cull != back_faces_culled_) cull_back_faces(cull);
       glDrawElementsInstancedBaseVertexBaseInstance(
           GL_TRIANGLES, static_cast<GLsizei>(command.index_count), GL_UNSIGNED_INT,
           reinterpret_cast<const void*>(std::size_t{4} * command.first_index), static_cast<GLsizei>(n),
@@ -400,12 +344,16 @@ void SceneDrawing::draw_indirect(unsigned commands, std::size_t first, unsigned 
   enter(Mode::objects);
   glBindBuffer(GL_DRAW_INDIRECT_BUFFER, commands);
   glBindBuffer(GL_PARAMETER_BUFFER_ARB, counts);
-  glMultiDrawElementsIndirectCountARB(
-      GL_TRIANGLES, GL_UNSIGNED_INT, reinterpret_cast<const void*>(first * sizeof(DrawCommand)),
-      static_cast<GLintptr>(count_offset), static_cast<GLsizei>(most), sizeof(DrawCommand));
+  for (std::size_t list = 0; list < 2; ++list) {
+    cull_back_faces(list == 0);
+    glMultiDrawElementsIndirectCountARB(GL_TRIANGLES, GL_UNSIGNED_INT,
+                                        reinterpret_cast<const void*>((first + list * most) * sizeof(DrawCommand)),
+                                        static_cast<GLintptr>(count_offset + list * sizeof(std::uint32_t)),
+                                        static_cast<GLsizei>(most), sizeof(DrawCommand));
+    ++work_->draw_calls;
+  }
   // Mesa 22 takes a bound count for every later indirect draw, also for those that have none.
   glBindBuffer(GL_PARAMETER_BUFFER_ARB, 0);
-  ++work_->draw_calls;
 }
 
 void SceneDrawing::resolve_ties(std::span<const ObjectId> ids) {

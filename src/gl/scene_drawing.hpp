@@ -67,10 +67,14 @@ class SceneDrawing {
   /// Distance of the nearest point of a box, squared; what front to back means.
   [[nodiscard]] float distance2(const Aabb& box) const;
 
+  /// True if only the front of an object's surface is drawn: that of a solid mesh, turned no other way round, seen from
+  /// outside, where the near plane opens nothing. Depends on the view and the object alone, so that pictures do not
+  /// depend on who draws.
+  [[nodiscard]] bool one_sided(ObjectId id) const;
   /// Draws objects in this order.
   void draw(std::span<const ObjectId> ids);
-  /// Draws the commands [first, first + most) of a buffer of DrawCommand, as many as the word at `count_offset` of
-  /// `counts` says.
+  /// Draws two lists of a buffer of DrawCommand: one-sided objects from `first` on, all others from `first + most` on;
+  /// as many as the two words at `count_offset` of `counts` say.
   void draw_indirect(unsigned commands, std::size_t first, unsigned counts, std::size_t count_offset,
                      std::uint32_t most);
   /// Where objects tie in depth, the lower id wins, whatever was drawn first. Give it all objects that were drawn.
@@ -92,9 +96,11 @@ class SceneDrawing {
   // Counted as state changes: switches from drawing to boxes, each of which costs about as much as the query itself.
 
   // For methods that run on the device: buffers by object id.
-  [[nodiscard]] unsigned bounds_buffer() const { return bounds_buffer_.name(); }      // vec4 lo, vec4 hi
+  // vec4 lo (w: 1 for solids that are not mirrored), vec4 hi
+  [[nodiscard]] unsigned bounds_buffer() const { return bounds_buffer_.name(); }
   [[nodiscard]] unsigned commands_buffer() const { return commands_buffer_.name(); }  // DrawCommand
-  /// GLSL: the version line, the block of the frame (clip, eye, planes ...), and where a box that is asked about lies.
+  /// GLSL: the version line, the block of the frame (clip, eye, planes ...), one_sided(), and where a box that is asked
+  /// about lies.
   static std::string frame_block();
   /// Binds the frame's block for a program of the caller's.
   void bind_frame() const { glBindBufferBase(GL_UNIFORM_BUFFER, frame_binding, frame_buffer_.name()); }
@@ -106,6 +112,7 @@ class SceneDrawing {
  private:
   enum class Mode { none, objects, boxes, ties };
   void enter(Mode mode);
+  void cull_back_faces(bool cull);
   void draw_run(const ObjectId* ids, std::size_t count);
   void upload_meshes();
   void upload_objects();
@@ -114,6 +121,7 @@ class SceneDrawing {
   const Scene& scene_;
   std::vector<Aabb> bounds_;
   std::vector<DrawCommand> commands_;
+  std::vector<std::uint8_t> solid_meshes_, solid_;  // solid_: objects whose back faces nobody sees from outside
   Bvh bvh_;
   std::uint64_t revision_ = 0;
   Buffer vertices_, indices_, transforms_, object_ids_, colours_, bounds_buffer_, commands_buffer_, frame_buffer_;
@@ -124,10 +132,10 @@ class SceneDrawing {
   View view_;
   Frustum frustum_;
   glm::vec3 eye_{0.0f}, forward_{0.0f};
-  float near_ = 0.0f, widening_ = 0.0f, depth_tolerance_ = 0.0f;
+  float near_ = 0.0f, near_reach_ = 0.0f, widening_ = 0.0f, depth_tolerance_ = 0.0f;
   Target* target_ = nullptr;
   Mode mode_ = Mode::none;
-  bool boxes_since_draw_ = false;
+  bool boxes_since_draw_ = false, back_faces_culled_ = false;
   Work own_work_;
   Work* work_ = &own_work_;
   Timeline* timeline_ = nullptr;

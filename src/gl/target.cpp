@@ -17,6 +17,8 @@ Texture make_texture(GLenum format, int width, int height) {
     throw Unavailable("OpenGL has no memory for a picture of " + std::to_string(width) + "x" + std::to_string(height));
   glTextureParameteri(name, GL_TEXTURE_MIN_FILTER, GL_NEAREST);
   glTextureParameteri(name, GL_TEXTURE_MAG_FILTER, GL_NEAREST);
+  glTextureParameteri(name, GL_TEXTURE_WRAP_S, GL_CLAMP_TO_EDGE);
+  glTextureParameteri(name, GL_TEXTURE_WRAP_T, GL_CLAMP_TO_EDGE);
   return texture;
 }
 

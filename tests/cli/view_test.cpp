@@ -48,15 +48,16 @@ TEST_F(View, WithoutADisplayIsOneLine) {
   expect_complaint({"view", "generate:city:objects=10"}, 4, "window");
 }
 
-/// Starts the program under Xvfb, runs `keys` once its window is there, and waits for its end; what it and the shell
-/// wrote goes to `log`. Returns the program's exit code, 41 if it ended before the keys, 42 if it did not end after.
-int with_window(const std::string& arguments, const std::string& keys, const std::string& last_key,
+/// Starts the program under Xvfb, runs `keys` once its window is there, then `end`, and waits for its end; what it and
+/// the shell wrote goes to `log`. Returns the program's exit code, 41 if it ended before `end`, 42 if it did not end
+/// after.
+int with_window(const std::string& arguments, const std::string& keys, const std::string& end,
                 const std::filesystem::path& log) {
   const std::string script = std::string("'") + SIGHTLINE_TOOL + "' " + arguments +
                              " & pid=$!; "
                              "for i in $(seq 100); do xdotool search --name sightline >/dev/null 2>&1 && break; sleep "
                              "0.2; done; sleep 1; " +
-                             keys + " kill -0 $pid || exit 41; xdotool key " + last_key +
+                             keys + " kill -0 $pid || exit 41; " + end +
                              "; "
                              "for i in $(seq 100); do kill -0 $pid 2>/dev/null || break; sleep 0.1; done; "
                              "kill -9 $pid 2>/dev/null && exit 42; wait $pid";
@@ -71,16 +72,29 @@ TEST_F(View, KeysReachTheWindow) {
   if (!there_is_xvfb()) GTEST_SKIP() << "NO XVFB: xvfb-run or xdotool is missing";
   // Escape must end the program with 0; the other keys must not end it.
   EXPECT_EQ(with_window("view generate:city:objects=60 --size 320x200",
-                        "for key in c v b z o m question n space; do xdotool key $key; sleep 0.1; done;", "Escape",
-                        file("log")),
+                        "for key in c v b z o m question n space; do xdotool key $key; sleep 0.1; done;",
+                        "xdotool key Escape", file("log")),
             0)
       << read_file(file("log"));
 }
 
+// The window goes while frames are drawn without pause: destroyed by somebody else, or cut off with its connection.
+TEST_F(View, AWindowThatGoesInMidFrameIsOneLine) {
+  if (!there_is_xvfb()) GTEST_SKIP() << "NO XVFB: xvfb-run or xdotool is missing";
+  for (const char* how : {"windowclose", "windowkill"}) {
+    EXPECT_EQ(with_window("view generate:city:objects=2000 --size 320x200", "",
+                          std::string("xdotool search --name sightline ") + how, file("log")),
+              4)
+        << how;
+    EXPECT_EQ(read_file(file("log")), "sightline: the window was taken away\n") << how;
+  }
+}
+
 TEST_F(View, TheMazeIsWalkedInAWindow) {  // 13.17
   if (!there_is_xvfb()) GTEST_SKIP() << "NO XVFB: xvfb-run or xdotool is missing";
-  EXPECT_EQ(
-      with_window("maze --play --size 320x200", "xdotool keydown w; sleep 0.7; xdotool keyup w;", "q", file("log")), 0)
+  EXPECT_EQ(with_window("maze --play --size 320x200", "xdotool keydown w; sleep 0.7; xdotool keyup w;", "xdotool key q",
+                        file("log")),
+            0)
       << read_file(file("log"));
   const std::string log = read_file(file("log"));
   const std::size_t at = log.find("stopped at ");

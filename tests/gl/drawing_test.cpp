@@ -1,12 +1,14 @@
 // What OpenGL draws: the scene as the software z-buffer sees it, the same picture in any order, pictures of any size;
 // and what happens where OpenGL is missing.
 #include <algorithm>
+#include <limits>
 
 #include "agreement/cases.hpp"
 #include "gl/compare.hpp"
 #include "gl/registry.hpp"
 #include "gl/with_context.hpp"
 #include "sightline/registry.hpp"
+#include "sightline/scene/generate/shapes.hpp"
 #include "sightline/scene/input_error.hpp"
 
 namespace sightline::gl {
@@ -42,6 +44,79 @@ TEST_F(Drawing, ShowsWhatTheSoftwareRendererShows) {
       EXPECT_LT(disagreement(truth, comparison.reference()), 0.02) << describe(view);
     }
   }
+}
+
+// Back faces are left out where nobody can see them, and nowhere else: an open box, a mirrored solid, one turned inside
+// out, and a solid with the eye in it or the near plane through it show the inside of their far wall.
+TEST_F(Drawing, OnlySolidsSeenFromOutsideAreOneSided) {
+  const Mesh box = make_box({-1, -1, -1}, {1, 1, 1});
+  Mesh open = box, inverted = box;
+  open.triangles.pop_back();
+  for (glm::uvec3& t : inverted.triangles) std::swap(t.y, t.z);
+  Affine mirrored = cases::at({0, 10, 0});
+  mirrored[0] = -mirrored[0];
+  SceneBuilder builder;
+  const MeshId solid = builder.add_mesh(box);
+  builder.add_object(solid, cases::at({0, 0, 0}));
+  builder.add_object(builder.add_mesh(open), cases::at({10, 0, 0}));
+  builder.add_object(builder.add_mesh(inverted), cases::at({20, 0, 0}));
+  builder.add_object(solid, mirrored);
+  const Scene scene = builder.build();
+  SceneDrawing drawing(*context(), scene);
+  Target target;
+  const auto one_sided = [&](const glm::dvec3& eye) {
+    View view = look_along(eye, {0, 0, -1});
+    view.width = 64;
+    view.height = 36;
+    drawing.begin(view, target);
+    std::vector<bool> answers;
+    for (ObjectId id = 0; id < 4; ++id) answers.push_back(drawing.one_sided(id));
+    return answers;
+  };
+  EXPECT_EQ(one_sided({0, 0, 5}), (std::vector<bool>{true, false, false, false}));
+  EXPECT_EQ(one_sided({0, 0, 1.05}), std::vector<bool>(4, false));  // the near plane, 0.1 m off, opens it
+  EXPECT_EQ(one_sided({0, 0, 0}), std::vector<bool>(4, false));
+
+  // From inside, all four show their walls in every pixel.
+  for (const glm::dvec3& eye : {glm::dvec3(0), glm::dvec3(10, 0, 0), glm::dvec3(20, 0, 0), glm::dvec3(0, 10, 0)}) {
+    (void)one_sided(eye);
+    const ObjectId ids[] = {0, 1, 2, 3};
+    drawing.draw(ids);
+    std::vector<std::uint32_t> seen;
+    target.read_ids(seen);
+    EXPECT_EQ(std::count(seen.begin(), seen.end(), no_object), 0) << eye.x << " " << eye.y;
+  }
+}
+
+// A floor seen at 45 degrees, in all projections, level and rolled: 0.35 + 0.4 cos 45 + 0.25 of its colour everywhere.
+TEST_F(Drawing, LightFollowsTheWayASurfaceFaces) {
+  SceneBuilder builder;
+  builder.add_object(builder.add_mesh(cases::quad({-500, 0, -500}, {0, 0, 1000}, {1000, 0, 0})), identity_affine());
+  const Scene scene = builder.build();
+  SceneDrawing drawing(*context(), scene);
+  const std::uint32_t white[] = {0xffffffffu};
+  drawing.set_colours(white);
+  Target target;
+  const ObjectId floor = 0;
+  for (const glm::dvec3& up : {glm::dvec3(0, 1, 0), glm::dvec3(1, 1, 0)})
+    for (const auto& [projection, far] : {std::pair{Projection::perspective, 1000.0},
+                                          std::pair{Projection::perspective, std::numeric_limits<double>::infinity()},
+                                          std::pair{Projection::orthographic, 1000.0}}) {
+      View view = look_along({0, 10, 10}, {0, -1, -1}, up);
+      view.width = 64;
+      view.height = 36;
+      view.projection = projection;
+      view.far = far;
+      view.fov_y = 0.6;
+      drawing.begin(view, target);
+      drawing.draw({&floor, 1});
+      Frame frame;
+      target.read_back(view, frame);
+      for (std::size_t i = 0; i < frame.object.size(); ++i) {
+        ASSERT_EQ(frame.object[i], floor);
+        ASSERT_NEAR(static_cast<int>(frame.colour[i] & 255u), 225, 1) << i << " " << describe(view);
+      }
+    }
 }
 
 TEST_F(Drawing, TheLowerIdWinsATieInAnyOrder) {

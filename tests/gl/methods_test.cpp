@@ -103,6 +103,31 @@ TEST_F(Methods, BundlesWaitOnceEach) {
       EXPECT_LE(frame.work.blocking_waits, frame.work.queries / static_cast<std::uint64_t>(bundle) + 1);
 }
 
+// 22.10, E46: what a larger bundle saves in stalls it pays in geometry that the bundle itself would have hidden. Two
+// counts of the same walk; their quotient says how many triangles a stall must be worth.
+TEST_F(Methods, LargerBundlesTradeStallsForGeometry) {
+  const Scene scene = generate_scene("city", {.objects = 1000, .triangles = 0, .seed = 2});
+  const std::vector<View> views = walk(scene, 3);
+  const auto sum = [&](const std::string& name) {
+    Work work;
+    for (const Seen& frame : run(scene, name, views)) {
+      work.blocking_waits += frame.work.blocking_waits;
+      work.triangles += frame.work.triangles;
+    }
+    return work;
+  };
+  Work before = sum("gl_multiple_queries:bundle=1");
+  const Work alone = sum("gl_stop_and_wait:hierarchy=off");
+  EXPECT_EQ(before.blocking_waits, alone.blocking_waits);
+  EXPECT_EQ(before.triangles, alone.triangles);
+  for (const int bundle : {10, 50, 250}) {
+    const Work work = sum("gl_multiple_queries:bundle=" + std::to_string(bundle));
+    EXPECT_LT(work.blocking_waits, before.blocking_waits) << bundle;
+    EXPECT_GT(work.triangles, before.triangles) << bundle;
+    before = work;
+  }
+}
+
 // 22.12: the nearest need no query, what they overlap is asked together, what that overlaps in a second bundle.
 TEST_F(Methods, WhatDoesNotOverlapIsAskedTogether) {
   const Scene scene = scene_of({{{-6, -1, -11}, {-4, 1, -10}},
