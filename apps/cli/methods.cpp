@@ -47,6 +47,7 @@ class GlCuller final : public Culler {
   void cull(const View& view, const VisibleSet& candidates, VisibleSet& visible, Counters& counters) override {
     as_unavailable([&] { inner_.cull(view, candidates, visible, counters); });
   }
+  [[nodiscard]] Promise promise(Promise of_row) const override { return inner_.promise(of_row); }
   void reset() override { inner_.reset(); }
   /// What OpenGL shows when every object is drawn.
   Truth truth(const View& view) {

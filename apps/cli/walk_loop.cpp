@@ -88,8 +88,7 @@ class Walker {
         warn(fmt::format("{}: skipped: {}", method, error.what()));
         continue;
       }
-      run.promise =
-          culler->approximate() ? Promise::approximate : find_method(parse_method(method).name, Family::culler).promise;
+      run.promise = culler->promise(find_method(parse_method(method).name, Family::culler).promise);
       if (!options.trace.empty() && traced_ == none_traced && start_trace(*culler)) traced_ = contenders_.size();
       contenders_.push_back({std::move(culler), VisibleSet()});
       report.runs.push_back(std::move(run));

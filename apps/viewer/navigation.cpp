@@ -9,6 +9,7 @@ namespace {
 constexpr double radians_per_pixel = 0.005, steepest = 1.553;  // 89 degrees: straight up has no side
 constexpr double seconds_across = 12.0, fast_factor = 5.0, dolly_share = 0.15;
 constexpr double margin = 1.03, overview_pitch = 0.75;
+constexpr double farthest = 1e-3 * largest_distance;  // from the pivot: the eye stays where scenes may lie
 
 double size_of(const Aabb& box) { return box.empty() ? 1.0 : std::max(1e-3f, glm::length(box.extent())); }
 
@@ -69,8 +70,9 @@ void Navigation::orbit(double dx, double dy) {
 
 void Navigation::dolly(double notches) {
   const glm::dvec3 way = pivot_ - eye_;
-  const double least = 2.0 * lens_.near / std::max(glm::length(way), 1e-12);
-  eye_ = pivot_ - way * std::max(std::pow(1.0 - dolly_share, notches), std::min(1.0, least));
+  const double distance = std::max(glm::length(way), 1e-12);
+  const double least = std::min(1.0, 2.0 * lens_.near / distance), most = std::max(1.0, farthest / distance);
+  eye_ = pivot_ - way * std::clamp(std::pow(1.0 - dolly_share, notches), least, most);
   if (lens_.projection == Projection::orthographic)
     lens_.span_y = std::clamp(lens_.span_y * std::pow(1.0 - dolly_share, notches), smallest_distance, largest_distance);
 }

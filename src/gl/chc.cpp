@@ -21,6 +21,8 @@ class Chc final : public Method {
     reset();
   }
 
+  [[nodiscard]] bool approximate() const override { return queries_.approximate(); }
+
   void reset() override {
     const Bvh& bvh = drawing_.bvh();
     state_.assign(bvh.nodes.size(), {});

@@ -21,6 +21,8 @@ class Chcpp final : public Method {
     reset();
   }
 
+  [[nodiscard]] bool approximate() const override { return queries_.approximate(); }
+
   void reset() override {
     for (const Pending& pending : pending_) (void)queries_.seen(pending.name);
     pending_.clear();

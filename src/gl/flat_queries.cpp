@@ -13,6 +13,8 @@ class FlatMethod : public Method {
   FlatMethod(SceneDrawing& drawing, int threshold)
       : Method(drawing), queries_(drawing, static_cast<std::uint32_t>(threshold)) {}
 
+  [[nodiscard]] bool approximate() const override { return queries_.approximate(); }
+
  protected:
   const std::vector<Placed>& find() {
     objects_in_frustum(drawing_, candidates(), true, found_);

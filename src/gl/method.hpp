@@ -25,6 +25,8 @@ class Method {
   virtual void prepare(const View& /*view*/, const VisibleSet* /*candidates*/) {}
   /// The objects drawn by the last frame, in order. May wait for the device.
   virtual void drawn(std::vector<ObjectId>& ids) { ids = drawn_; }
+  /// True if its parameters let it leave out what is seen a little.
+  [[nodiscard]] virtual bool approximate() const { return false; }
   /// Forgets all earlier frames.
   virtual void reset() {}
   /// Lines "frame query nodes -> answer", one for each query in the order of issue, are appended to `log`; null: none.

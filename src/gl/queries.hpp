@@ -19,6 +19,8 @@ class OcclusionQueries {
   OcclusionQueries(const OcclusionQueries&) = delete;
   OcclusionQueries& operator=(const OcclusionQueries&) = delete;
 
+  [[nodiscard]] bool approximate() const { return threshold_ > 1; }
+
   /// What one query asks: so many of the boxes, one after the other, which stand for so many nodes.
   struct Ask {
     std::uint32_t boxes, nodes;

@@ -30,6 +30,9 @@ class MethodCuller final : public Culler {
   /// The drawing lives as long as the culler.
   MethodCuller(std::shared_ptr<SceneDrawing> drawing, std::string_view text);
   void cull(const View& view, const VisibleSet& candidates, VisibleSet& visible, Counters& counters) override;
+  [[nodiscard]] Promise promise(Promise of_row) const override {
+    return method_->approximate() ? Promise::approximate : of_row;
+  }
   void reset() override { method_->reset(); }
   [[nodiscard]] Method& method() { return *method_; }
   [[nodiscard]] SceneDrawing& drawing() { return *drawing_; }

@@ -11,6 +11,8 @@
 namespace sightline {
 namespace {
 
+constexpr Promise row = Promise::conservative_continuous;
+
 Verdict verdict_of(const Answer& answer, const Scene& scene, const View& view) {
   return judge(Oracle(scene).look(view), answer.visible);
 }
@@ -110,8 +112,11 @@ TEST(Occlusion, AThresholdInPixelsLosesWhatIsBarelyVisible) {
   const Verdict verdict = verdict_of(rough, scene, front_view());
   EXPECT_EQ(verdict.missed_samples, pixels);
   EXPECT_LE(verdict.missed_samples, 200u);
-  EXPECT_TRUE(make_culler("occlusion_hzb:pixels=200", indexed)->approximate());
-  EXPECT_FALSE(make_culler("occlusion_hzb", indexed)->approximate());
+  EXPECT_EQ(make_culler("occlusion_hzb:pixels=200", indexed)->promise(row), Promise::approximate);
+  EXPECT_EQ(make_culler("occlusion_hzb", indexed)->promise(row), row);
+  EXPECT_EQ(make_culler("occlusion_masked", indexed)->promise(row), row);
+  EXPECT_EQ(make_culler("occlusion_masked:resolution=1:centres=on", indexed)->promise(row), Promise::conservative);
+  EXPECT_THROW(make_culler("occlusion_virtual:resolution=0.5", indexed), InputError);
 }
 
 // Zhang's aggressive culling: a wall of bars with small gaps counts as opaque from an opacity on. The budget is for the
@@ -127,7 +132,7 @@ TEST(Occlusion, AnOpacityThresholdClosesSmallGaps) {
   const Answer rough = ask("occlusion_hom:min_size=0:triangles=30:opacity=0.5", indexed, front_view());
   EXPECT_FALSE(rough.visible.contains(behind));
   EXPECT_GT(verdict_of(rough, scene, front_view()).missed_samples, 0u) << "the loss is counted in pixels";
-  EXPECT_TRUE(make_culler("occlusion_hom:opacity=0.9", indexed)->approximate());
+  EXPECT_EQ(make_culler("occlusion_hom:opacity=0.9", indexed)->promise(row), Promise::approximate);
 }
 
 // Indoors the walls around the eye are one object that reaches before the near plane: large, but its box says nothing
@@ -234,7 +239,7 @@ TEST(OcclusionHorizon, WallsLoseNothingBoxesDo) {
   const Answer shortcut = ask("occlusion_horizon:occluders=boxes", indexed, view);
   EXPECT_FALSE(shortcut.visible.contains(seen));
   EXPECT_GT(verdict_of(shortcut, scene, view).missed_samples, 0u);
-  EXPECT_TRUE(make_culler("occlusion_horizon:occluders=boxes", indexed)->approximate());
+  EXPECT_EQ(make_culler("occlusion_horizon:occluders=boxes", indexed)->promise(row), Promise::approximate);
 }
 
 TEST(OcclusionHorizon, CullsWhatIsBehindTheHousesOfACity) {

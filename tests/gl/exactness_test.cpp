@@ -142,6 +142,8 @@ TEST_F(Exactness, ALossIsSeen) {
   const CameraPath path = generate_path(scene, {.frames = 12, .prototype = prototype(scene, 160, 90)});
   std::uint64_t differing = 0;
   const auto lossy = make_method("gl_chcpp:threshold=400", drawing);
+  EXPECT_TRUE(lossy->approximate());
+  EXPECT_FALSE(make_method("gl_chcpp", drawing)->approximate());
   for (const View& view : path.views) {
     comparison.draw_all(view);
     differing += comparison.differing_pixels(*lossy, view);

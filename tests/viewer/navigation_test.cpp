@@ -84,13 +84,16 @@ TEST(Navigation, EveryCameraIsAValidView) {
       if (i % 50 == 0) navigation.frame(scene, 1.5);
       EXPECT_NO_THROW(check_view(navigation.view(i, 2 * i)));
     }
-    for (int i = 0; i < 500; ++i) navigation.dolly(3);
-    EXPECT_NO_THROW(check_view(navigation.view(10, 10)));
     View flat = start();
     flat.projection = Projection::orthographic;
-    Navigation zoom(flat, scene);
-    for (int i = 0; i < 500; ++i) zoom.dolly(3);
-    EXPECT_NO_THROW(check_view(zoom.view(10, 10)));
+    for (const View& from : {start(), flat})
+      for (const double notches : {3.0, -3.0}) {
+        Navigation zoom(from, scene);
+        for (int i = 0; i < 500; ++i) zoom.dolly(notches);
+        EXPECT_NO_THROW(check_view(zoom.view(10, 10)));
+        for (int i = 0; i < 500; ++i) zoom.dolly(-notches);
+        EXPECT_NO_THROW(check_view(zoom.view(10, 10)));
+      }
   }
 }
 

@@ -14,20 +14,6 @@ std::string_view to_string(Family family) {
   return "unknown";
 }
 
-std::string_view to_string(Promise promise) {
-  switch (promise) {
-    case Promise::exact:
-      return "exact";
-    case Promise::conservative:
-      return "conservative";
-    case Promise::conservative_continuous:
-      return "conservative-continuous";
-    case Promise::approximate:
-      return "approximate";
-  }
-  return "unknown";
-}
-
 IndexedScene index_scene(const Scene& scene) { return {scene, build_bvh(scene.object_bounds())}; }
 
 void refit(IndexedScene& scene) { refit(scene.bvh, scene.scene.object_bounds()); }

@@ -8,6 +8,7 @@
 #include "sightline/core/culler.hpp"
 #include "sightline/core/face_culler.hpp"
 #include "sightline/core/parameters.hpp"
+#include "sightline/core/promise.hpp"
 #include "sightline/core/renderer.hpp"
 #include "sightline/index/bvh.hpp"
 
@@ -15,15 +16,7 @@ namespace sightline {
 
 enum class Family { culler, renderer, face_culler };
 
-enum class Promise {
-  exact,                    // equal to the truth
-  conservative,             // contains every object of which at least one pixel centre is seen
-  conservative_continuous,  // contains also what is seen only between pixel centres
-  approximate               // with an error measure stated on its page
-};
-
 std::string_view to_string(Family family);
-std::string_view to_string(Promise promise);
 
 /// A scene with the index over its objects' bounds: what a maker gets. The scene must outlive it.
 struct IndexedScene {

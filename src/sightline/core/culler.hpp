@@ -2,6 +2,7 @@
 #pragma once
 
 #include "sightline/core/counters.hpp"
+#include "sightline/core/promise.hpp"
 #include "sightline/core/visible_set.hpp"
 #include "sightline/scene/view.hpp"
 
@@ -20,8 +21,8 @@ class Culler {
   /// they were found; always a subset of the candidates. Adds to `counters`. The view must pass check_view.
   virtual void cull(const View& view, const VisibleSet& candidates, VisibleSet& visible, Counters& counters) = 0;
 
-  /// True if its parameters trade the promise of its row for speed: then it is to be judged as an approximate method.
-  [[nodiscard]] virtual bool approximate() const { return false; }
+  /// What it promises, given what its row does: less where its parameters trade the promise for speed.
+  [[nodiscard]] virtual Promise promise(Promise of_row) const { return of_row; }
 
   /// Brings what it keeps of objects' places up to date, after Scene::move_objects and refit(IndexedScene). False if it
   /// cannot: then it is to be made anew before the next frame.

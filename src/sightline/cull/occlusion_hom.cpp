@@ -69,7 +69,9 @@ class OcclusionHom final : public Culler {
   /// The stage reads places from the scene in every frame.
   bool follow_scene() override { return true; }
 
-  [[nodiscard]] bool approximate() const override { return opacity_ < 1 || holes_ > 0; }
+  [[nodiscard]] Promise promise(Promise of_row) const override {
+    return opacity_ < 1 || holes_ > 0 ? Promise::approximate : of_row;
+  }
 
  private:
   /// The occluder selection: what looks large and lies near, until the budget of triangles is spent. What reaches

@@ -173,7 +173,7 @@ class OcclusionHorizon final : public Culler {
     return true;
   }
 
-  [[nodiscard]] bool approximate() const override { return boxes_; }
+  [[nodiscard]] Promise promise(Promise of_row) const override { return boxes_ ? Promise::approximate : of_row; }
 
  private:
   static constexpr std::uint32_t node_mark = 1u << 31;  // in the index of a queued box: a node; else a place of items

@@ -31,7 +31,7 @@ class OcclusionHzb final : public Culler {
   /// The stage reads places from the scene in every frame.
   bool follow_scene() override { return true; }
 
-  [[nodiscard]] bool approximate() const override { return pixels_ > 0; }
+  [[nodiscard]] Promise promise(Promise of_row) const override { return pixels_ > 0 ? Promise::approximate : of_row; }
 
  private:
   /// What was drawn changed the depth image within the object's rectangle only.

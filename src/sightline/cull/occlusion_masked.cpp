@@ -29,6 +29,10 @@ class OcclusionMasked final : public Culler {
     return true;
   }
 
+  [[nodiscard]] Promise promise(Promise of_row) const override {
+    return config_.centres ? Promise::conservative : of_row;
+  }
+
   void cull(const View& view, const VisibleSet& candidates, VisibleSet& visible, Counters& counters) override {
     visible.reset(candidates.universe());
     if (bvh_.nodes.empty()) return;

@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "sightline/cull/occlusion_stage.hpp"
+#include "sightline/scene/input_error.hpp"
 
 namespace sightline {
 namespace {
@@ -51,8 +52,6 @@ class OcclusionVirtual final : public Culler {
   /// The stage reads places from the scene in every frame.
   bool follow_scene() override { return true; }
 
-  [[nodiscard]] bool approximate() const override { return true; }
-
  private:
   /// Samples stand at fixed pixels of the image, as in the paper, so that neighbouring boxes agree; a rectangle that
   /// lies between them gets its own middle.
@@ -83,8 +82,10 @@ class OcclusionVirtual final : public Culler {
 std::unique_ptr<Culler> make_occlusion_virtual(const IndexedScene& scene, ParameterReader& parameters) {
   OcclusionStageConfig config;
   int step = 4, pixels = 0;
+  config.resolution = 1.0;
   read_stage(parameters, config);
-  config.resolution = 1.0;  // samples are the view's own pixel centres
+  if (config.resolution != 1.0)
+    throw InputError("occlusion_virtual", "resolution", "must be 1: samples are the view's own pixel centres");
   parameters.read("step", step, 1, 64);
   parameters.read("pixels", pixels, 0, 1000000);
   parameters.finish();
