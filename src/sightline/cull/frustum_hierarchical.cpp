@@ -57,19 +57,19 @@ class FrustumHierarchical final : public Culler {
         continue;
       }
       counters.boxes_tested += items.end - items.begin;
-      const std::size_t found = boxes_in_frustum(boxes_, items.begin, items.end, frustum, planes, found_.data());
-      std::size_t kept = 0;
-      for (std::size_t i = 0; i < found; ++i) {
-        const std::uint32_t item = found_[i];
-        const ObjectId id = bvh_.items[item];
-        if (!all && !candidates.contains(id)) continue;
-        if (corners_ && misses(around, item)) {
-          ++counters.corner_rejects;
-          continue;
-        }
-        found_[kept++] = id;
+      auto found =
+          std::span(found_).first(boxes_in_frustum(boxes_, items.begin, items.end, frustum, planes, found_.data()));
+      if (corners_) {
+        const auto end = std::remove_if(found.begin(), found.end(), [&](auto item) { return misses(around, item); });
+        counters.corner_rejects += static_cast<std::uint64_t>(found.end() - end);
+        found = {found.begin(), end};
       }
-      visible.insert_new(std::span(found_).first(kept));
+      for (std::uint32_t& item : found) item = bvh_.items[item];  // from here on ids
+      if (!all) {
+        const auto end = std::remove_if(found.begin(), found.end(), [&](auto id) { return !candidates.contains(id); });
+        found = {found.begin(), end};
+      }
+      visible.insert_new(found);
     }
   }
 

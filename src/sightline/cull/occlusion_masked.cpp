@@ -180,7 +180,6 @@ class OcclusionMasked final : public Culler {
     }
     counters.occluders += buffer_.counts().occluders;
     counters.occluder_triangles += buffer_.counts().occluder_triangles;
-    counters.triangles_filled += buffer_.counts().triangles_filled;
   }
 
   void collect(const View& view, const VisibleSet& candidates, VisibleSet& visible, Counters& counters) {
