@@ -168,7 +168,7 @@ int main(int count, char** arguments) {
   if (wanted("horizon"))
     attempt([&] {
       return run("the horizon on dover-city", real("dover-city"), frames,
-                 {"occlusion_masked", "occlusion_horizon", "occlusion_horizon:columns=120",
+                 {"occlusion_masked", "occlusion_horizon", "occlusion_horizon:columns=240",
                   "occlusion_horizon:columns=480", "occlusion_horizon:occluders=boxes"});
     });
   for (const char* name : {"intel-castle", "medical-clinic", "aws-hospital"})

@@ -256,7 +256,7 @@ class OcclusionHorizon final : public Culler {
 }  // namespace
 
 std::unique_ptr<Culler> make_occlusion_horizon(const IndexedScene& scene, ParameterReader& parameters) {
-  int columns = 240;
+  int columns = 120;
   std::string occluders = "walls";
   parameters.read("columns", columns, 16, 16384);
   parameters.read("occluders", occluders);
