@@ -160,7 +160,7 @@ HWY_INLINE std::uint32_t pass_children(const Bvh8Node& node, const BoxRay& ray, 
 HWY_INLINE std::uint32_t candidates(const float* coordinates, std::size_t k, std::size_t i, const Shear& s,
                                     float t_near, float t_far) {
   const Float d;
-  const Vec ox = hn::Set(d, s.origin[s.x]), oy = hn::Set(d, s.origin[s.y]), oz = hn::Set(d, s.origin[s.z]);
+  const Vec ox = hn::Set(d, s.origin_x), oy = hn::Set(d, s.origin_y), oz = hn::Set(d, s.origin_z);
   const Vec sx = hn::Set(d, s.shear_x), sy = hn::Set(d, s.shear_y);
   const auto load = [&](int corner, int axis) HWY_ATTR {
     return hn::LoadU(d, coordinates + static_cast<std::size_t>(3 * corner + axis) * k + i);
