@@ -33,9 +33,9 @@ struct Shear {
 
 /// The ray must be one (is_ray).
 inline void set_shear(Shear& s, const glm::vec3& origin, const glm::vec3& direction) {
-  const glm::vec3 size = glm::abs(direction);
-  s.z = static_cast<int>(size.y > size.x) & static_cast<int>(size.y >= size.z);
-  s.z |= static_cast<int>(size.z > size.x && size.z > size.y) << 1;
+  const glm::vec3 size = magnitudes(direction);
+  const int middle = static_cast<int>(size.y > size.x), last = static_cast<int>(size.z > std::max(size.x, size.y));
+  s.z = 2 * last | (middle & ~last);
   s.x = s.z == 2 ? 0 : s.z + 1;
   s.y = s.z == 0 ? 2 : s.z - 1;
   // By pointer: the vectors' own operator[] branches on the axis, which is different for every ray.
