@@ -234,16 +234,16 @@ double seconds_of(const std::function<void()>& work) {
 
 void time_builds(const TriangleSoup& soup) {
   const double millions = 1e-6 * static_cast<double>(soup.size());
-  const BvhBuildConfig config{.max_leaf_size = static_cast<int>(bvh8_leaf_limit)};
+  const BvhConfig config{.max_leaf_size = static_cast<int>(bvh8_leaf_limit), .grouped = false};
   std::vector<Aabb> boxes;
   const double measure = seconds_of([&] { boxes = bounds_of_triangles(soup); });
   std::printf("bounds of triangles: %.1f ns each\n", 1e3 * measure / millions);
   struct NamedBuilder {
     const char* name;
-    Bvh (*build)(std::span<const Aabb>, const BvhBuildConfig&);
+    Bvh (*build)(std::span<const Aabb>, const BvhConfig&);
   };
   constexpr NamedBuilder builders[] = {
-      {"sah", build_bvh_sah}, {"linear", build_bvh_linear}, {"extent", build_bvh_extent}, {"median", build_bvh_median}};
+      {"sah", build_bvh}, {"linear", build_bvh_linear}, {"extent", build_bvh_extent}, {"median", build_bvh_median}};
   for (const auto& [name, build] : builders) {
     Bvh bvh;
     Bvh8 wide;
@@ -265,7 +265,7 @@ int run(const Scene& scene) {
   robust.build();
   std::printf("embree build %.2f M triangles/s\n", 1e-6 * static_cast<double>(soup.size()) / (cpu_seconds() - start));
   const std::vector<Aabb> boxes = bounds_of_triangles(soup);
-  const BvhBuildConfig config{.max_leaf_size = static_cast<int>(bvh8_leaf_limit)};
+  const BvhConfig config{.max_leaf_size = static_cast<int>(bvh8_leaf_limit), .grouped = false};
   const Bvh8 sah = build_bvh8(soup), linear = widen(build_bvh_linear(boxes, config), soup);
   const auto kdtree = find_tracer("kdtree")->make(soup), octree = find_tracer("octree")->make(soup),
              grid = find_tracer("grid")->make(soup);

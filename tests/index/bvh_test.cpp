@@ -147,6 +147,20 @@ TEST(Bvh, OneFarBoxAmongManySpoilsNothing) {
   EXPECT_LT(cost(), 1.5 * without);
 }
 
+TEST(Bvh, LargeBoxesAmongManySmallOnesSpoilNothing) {
+  std::vector<Aabb> boxes = random_boxes(40000, 1000, 5, 9);
+  const auto cost = [&](bool grouped) {
+    const Bvh bvh = build_bvh(boxes, {.grouped = grouped});
+    double sum = 0;
+    for (const BvhNode& node : bvh.nodes)
+      sum += static_cast<double>(node.bounds.half_area()) * std::max(node.count, 1u);
+    return sum;
+  };
+  for (std::size_t i = 0; i < boxes.size(); i += 100) boxes[i] = {boxes[i].lo - 300.0f, boxes[i].hi + 300.0f};
+  EXPECT_EQ(complaint(build_bvh(boxes), boxes, {}), "");
+  EXPECT_LT(cost(true), 1.1 * cost(false));
+}
+
 TEST(Bvh, SameForEveryNumberOfThreads) {
   const std::vector<Aabb> boxes = random_boxes(200000, 1000, 5, 6);
   const auto build = [&](int threads) {

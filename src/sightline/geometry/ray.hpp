@@ -21,10 +21,13 @@ struct Ray {
 /// Lengths of directions (largest component) for which float arithmetic on rays holds.
 inline constexpr float shortest_direction = 1e-15f, longest_direction = 1e15f;
 
+/// |v|. glm::abs of GCC 12 branches on each sign, which is another one for every ray.
+inline glm::vec3 magnitudes(const glm::vec3& v) { return {std::abs(v.x), std::abs(v.y), std::abs(v.z)}; }
+
 /// False for what no intersection is defined of, and which therefore meets nothing: a NaN anywhere, an origin that is
 /// not finite, a direction without length (or one that squares out of a float), an interval that is empty.
 inline bool is_ray(const Ray& ray) {
-  const glm::vec3 d = glm::abs(ray.direction);
+  const glm::vec3 d = magnitudes(ray.direction);
   const float longest = std::max({d.x, d.y, d.z});
   return std::isfinite(ray.origin.x) && std::isfinite(ray.origin.y) && std::isfinite(ray.origin.z) &&
          std::isfinite(d.x) && std::isfinite(d.y) && std::isfinite(d.z) && longest >= shortest_direction &&

@@ -26,22 +26,26 @@ std::optional<TriangleHit> hit_triangle_barycentric(const Ray& ray, const glm::v
 /// What a watertight test needs of a ray: its largest axis z, the other two, and the shear that makes the ray the z
 /// axis of a space in which every vertex has the same place whichever triangle it belongs to.
 struct Shear {
-  glm::vec3 origin;
   int x, y, z;
+  float origin_x, origin_y, origin_z;  // along these axes
   float shear_x, shear_y, scale_z;
 };
 
 /// The ray must be one (is_ray).
 inline void set_shear(Shear& s, const glm::vec3& origin, const glm::vec3& direction) {
-  const glm::vec3 size = glm::abs(direction);
-  s.origin = origin;
-  s.z = static_cast<int>(size.y > size.x) & static_cast<int>(size.y >= size.z);
-  s.z |= static_cast<int>(size.z > size.x && size.z > size.y) << 1;
+  const glm::vec3 size = magnitudes(direction);
+  const int middle = static_cast<int>(size.y > size.x), last = static_cast<int>(size.z > std::max(size.x, size.y));
+  s.z = 2 * last | (middle & ~last);
   s.x = s.z == 2 ? 0 : s.z + 1;
   s.y = s.z == 0 ? 2 : s.z - 1;
-  s.shear_x = direction[s.x] / direction[s.z];
-  s.shear_y = direction[s.y] / direction[s.z];
-  s.scale_z = 1.0f / direction[s.z];
+  // By pointer: the vectors' own operator[] branches on the axis, which is different for every ray.
+  const float *o = &origin.x, *d = &direction.x;
+  s.origin_x = o[s.x];
+  s.origin_y = o[s.y];
+  s.origin_z = o[s.z];
+  s.shear_x = d[s.x] / d[s.z];
+  s.shear_y = d[s.y] / d[s.z];
+  s.scale_z = 1.0f / d[s.z];
 }
 inline Shear shear_of(const glm::vec3& origin, const glm::vec3& direction) {
   Shear s;
@@ -61,10 +65,10 @@ struct ShearedHit {
 /// flat.
 [[gnu::always_inline]] inline bool hit_sheared(const Shear& s, const float* a, const float* b, const float* c,
                                                ShearedHit& hit) {
-  const float az = a[s.z] - s.origin[s.z], bz = b[s.z] - s.origin[s.z], cz = c[s.z] - s.origin[s.z];
-  const float ax = (a[s.x] - s.origin[s.x]) - s.shear_x * az, ay = (a[s.y] - s.origin[s.y]) - s.shear_y * az;
-  const float bx = (b[s.x] - s.origin[s.x]) - s.shear_x * bz, by = (b[s.y] - s.origin[s.y]) - s.shear_y * bz;
-  const float cx = (c[s.x] - s.origin[s.x]) - s.shear_x * cz, cy = (c[s.y] - s.origin[s.y]) - s.shear_y * cz;
+  const float az = a[s.z] - s.origin_z, bz = b[s.z] - s.origin_z, cz = c[s.z] - s.origin_z;
+  const float ax = (a[s.x] - s.origin_x) - s.shear_x * az, ay = (a[s.y] - s.origin_y) - s.shear_y * az;
+  const float bx = (b[s.x] - s.origin_x) - s.shear_x * bz, by = (b[s.y] - s.origin_y) - s.shear_y * bz;
+  const float cx = (c[s.x] - s.origin_x) - s.shear_x * cz, cy = (c[s.y] - s.origin_y) - s.shear_y * cz;
   const auto cross = [](float px, float py, float qx, float qy) {
     return static_cast<double>(px) * static_cast<double>(qy) - static_cast<double>(py) * static_cast<double>(qx);
   };

@@ -13,7 +13,6 @@ namespace {
 
 constexpr float nowhere = std::numeric_limits<float>::max();
 constexpr int most_bins = 64;
-constexpr std::uint32_t most_for_all_axes = 512;
 constexpr std::size_t large = 16384;
 constexpr std::uint32_t group_size = 64;
 
@@ -70,7 +69,7 @@ class Builder {
     if (given_.empty()) return {};
     bvh_.nodes.reserve(given_.size() + 1);
     bvh_.nodes.emplace_back();
-    if (given_.size() > large) {
+    if (config_.grouped && given_.size() > large) {
       build_large();
     } else {
       for (std::uint32_t i = 0; i < given_.size(); ++i) take(i);
@@ -91,18 +90,10 @@ class Builder {
   /// Many boxes do not fit into the caches: neighbours are put together first, and the tree over groups of them ends
   /// where the trees of the groups begin.
   void build_large() {
-    const std::vector<MortonKey> keys = morton_order(given_);
-    const std::vector<MortonRun> runs = morton_runs(keys, group_size);
-    std::vector<Aabb> bounds;
-    bounds.reserve(runs.size());
-    for (const MortonRun& run : runs) {
-      Aabb box;
-      for (std::uint32_t i = run.begin; i < run.end; ++i)
-        if (!given_[box_of(keys[i])].empty()) box.extend(given_[box_of(keys[i])]);
-      bounds.push_back(box);
-    }
+    const auto [keys, runs, bounds] = morton_groups(given_, group_size);
     BvhConfig single = config_;
     single.max_leaf_size = 1;
+    single.grouped = false;
     const Bvh top = Builder(bounds, single).build();
     struct Copy {
       std::uint32_t from, to;
@@ -166,14 +157,6 @@ class Builder {
       const float per_unit = static_cast<float>(bins_used_) / extent;
       per_unit_.v[axis] = extent > 0.0f && per_unit < nowhere ? per_unit : 0.0f;
     }
-    // Where there are very many boxes the longest axis is as good as the best one, and two thirds of the work are
-    // saved.
-    axes_ = {0, 3};
-    if (count > most_for_all_axes) {
-      const Float4 extent = range.centres.hi.v - range.centres.lo.v;
-      const int longest = extent[0] >= extent[1] && extent[0] >= extent[2] ? 0 : extent[1] >= extent[2] ? 1 : 2;
-      axes_ = {longest, longest + 1};
-    }
     const Split best = best_split(range);
     std::uint32_t middle = range.begin;
     if (best.axis >= 0) middle = partition(range, best, children);
@@ -226,21 +209,21 @@ class Builder {
 
   /// Surface area heuristic over the bins of all three axes, filled in one pass.
   Split best_split(const Range& range) {
-    for (int axis = axes_.first; axis < axes_.last; ++axis) {
+    for (int axis = 0; axis < 3; ++axis) {
       std::fill_n(bins_[axis], bins_used_, Box());
       std::fill_n(counts_[axis], bins_used_, 0u);
     }
     for (std::uint32_t i = range.begin; i < range.end; ++i) {
       const Box box = boxes_[i];
       const Vector centre = box.centre();
-      for (int axis = axes_.first; axis < axes_.last; ++axis) {
+      for (int axis = 0; axis < 3; ++axis) {
         const int b = bin_of(centre.v[axis], axis);
         bins_[axis][b].extend(box);
         ++counts_[axis][b];
       }
     }
     Split best;
-    for (int axis = axes_.first; axis < axes_.last; ++axis)
+    for (int axis = 0; axis < 3; ++axis)
       if (per_unit_.v[axis] > 0.0f) sweep(axis, best);
     return best;
   }
@@ -274,9 +257,6 @@ class Builder {
   std::vector<Box> boxes_;
   std::vector<std::uint32_t> ids_;
   int bins_used_ = 0;
-  struct {
-    int first, last;
-  } axes_{0, 3};
   Vector from_ = all(0.0f), per_unit_ = all(0.0f);
   Box bins_[3][most_bins];
   std::uint32_t counts_[3][most_bins];

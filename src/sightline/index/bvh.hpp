@@ -33,14 +33,18 @@ ItemRange items_below(const Bvh& bvh, std::uint32_t node);
 /// The same for every node, by node. O(nodes).
 std::vector<ItemRange> item_ranges(const Bvh& bvh);
 
+/// Of this and the other builders (bvh_builders.hpp).
 struct BvhConfig {
   int max_leaf_size = 4;  // boxes, 1 to 255
-  int bins = 16;          // most bins per axis of the surface area heuristic, 2 to 64; small nodes use fewer
+  // Of the surface area heuristic:
+  int bins = 16;        // most bins per axis, 2 to 64; small nodes use fewer
+  bool grouped = true;  // many boxes: first over groups of neighbours, twice as fast; else from the whole down
 };
 
 /// Top-down, binned surface area heuristic (Wald 2007); falls back to the median where all centroids coincide. Of many
-/// boxes first over groups of neighbours along a Morton curve (Pantaleoni and Luebke 2010), then within each. Empty
-/// boxes are allowed and never widen a node. The result does not depend on the number of threads.
+/// boxes, unless configured otherwise, first over groups of neighbours along a Morton curve (Pantaleoni and Luebke
+/// 2010), then within each. Empty boxes are allowed and never widen a node. The result does not depend on the number of
+/// threads.
 Bvh build_bvh(std::span<const Aabb> boxes, const BvhConfig& config = {});
 
 /// Recomputes the bounds of all nodes after boxes moved, grew, or became empty; the tree keeps its shape, so it stays

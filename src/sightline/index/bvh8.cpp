@@ -7,7 +7,6 @@
 #include <stdexcept>
 
 #include "sightline/geometry/triangle_overlap.hpp"
-#include "sightline/index/bvh_builders.hpp"
 
 namespace sightline {
 namespace {
@@ -112,14 +111,6 @@ class Collapse {
   PagedVector<Weight> weights_;
 };
 
-/// Exponent of the least power of two of which 255 span the extent, biased as in a float.
-std::uint8_t exponent_for(double extent) {
-  if (!(extent > 0x1p-110)) return 10;
-  int exponent = 0;
-  (void)std::frexp(extent / 255.0, &exponent);  // extent / 255 <= 2^exponent
-  return static_cast<std::uint8_t>(std::clamp(exponent + 127, 10, 250));
-}
-
 class Widener {
  public:
   Widener(const Bvh& bvh, const TriangleSoup& soup) : bvh_(bvh), soup_(soup), collapse_(bvh) {}
@@ -156,32 +147,19 @@ class Widener {
   };
 
   void fill(Bvh8Node& node, const Group& group, std::uint32_t first_child) {
-    Aabb bounds;
-    for (int i = 0; i < group.count; ++i) bounds.extend(bvh_.nodes[group.node[static_cast<std::size_t>(i)]].bounds);
     for (int axis = 0; axis < 3; ++axis) {
-      const float corner = tree_.space.bounds.lo[axis];
-      float& at = node.origin[axis] = bounds.lo[axis] - corner;
-      if (static_cast<double>(at) + static_cast<double>(corner) > static_cast<double>(bounds.lo[axis]))
-        at = std::nextafter(at, -INFINITY);
-      quantise(node, axis, bounds, group);
+      std::fill_n(node.lo[axis], 8, INFINITY);
+      std::fill_n(node.hi[axis], 8, -INFINITY);
+      // Rounding is far below the slack of the rays.
+      for (int i = 0; i < group.count; ++i) {
+        const Aabb& box = bvh_.nodes[group.node[static_cast<std::size_t>(i)]].bounds;
+        node.lo[axis][i] = box.lo[axis] - tree_.space.bounds.lo[axis];
+        node.hi[axis][i] = box.hi[axis] - tree_.space.bounds.lo[axis];
+      }
     }
-    node.count = static_cast<std::uint8_t>(group.count);
     for (int i = 0; i < group.count; ++i)
       node.ref[i] = i < group.inner ? first_child + static_cast<std::uint32_t>(i)
                                     : add_leaf(items_below(bvh_, group.node[static_cast<std::size_t>(i)]));
-  }
-
-  void quantise(Bvh8Node& node, int axis, const Aabb& bounds, const Group& group) const {
-    const double base = static_cast<double>(node.origin[axis]) + static_cast<double>(tree_.space.bounds.lo[axis]);
-    node.exponent[axis] = exponent_for(static_cast<double>(bounds.hi[axis]) - base);
-    const double scale = std::ldexp(1.0, 127 - node.exponent[axis]);
-    for (std::size_t i = 0; i < static_cast<std::size_t>(group.count); ++i) {
-      const Aabb& box = bvh_.nodes[group.node[i]].bounds;
-      const double lo = (static_cast<double>(box.lo[axis]) - base) * scale;
-      const double hi = (static_cast<double>(box.hi[axis]) - base) * scale;
-      node.lo[axis][i] = static_cast<std::uint8_t>(std::clamp(std::floor(lo), 0.0, 255.0));
-      node.hi[axis][i] = static_cast<std::uint8_t>(std::clamp(std::ceil(hi), 0.0, 255.0));
-    }
   }
 
   std::uint32_t add_leaf(const ItemRange& leaf) {
@@ -205,16 +183,12 @@ class Widener {
   Bvh8 tree_;
 };
 
-/// A child's bounds in floats, one step outwards for the rounding of the sum.
+/// A child's bounds in the space of the soup, outwards by more than was rounded.
 Aabb child_box(const Bvh8& tree, const Bvh8Node& node, int i) {
-  Aabb box;
-  for (int axis = 0; axis < 3; ++axis) {
-    const double scale = std::ldexp(1.0, node.exponent[axis] - 127);
-    const double base = static_cast<double>(node.origin[axis]) + static_cast<double>(tree.space.bounds.lo[axis]);
-    box.lo[axis] = std::nextafter(static_cast<float>(base + node.lo[axis][i] * scale), -INFINITY);
-    box.hi[axis] = std::nextafter(static_cast<float>(base + node.hi[axis][i] * scale), INFINITY);
-  }
-  return box;
+  const Aabb& space = tree.space.bounds;
+  const glm::vec3 margin(tree.space.slack);
+  return {space.lo + glm::vec3(node.lo[0][i], node.lo[1][i], node.lo[2][i]) - margin,
+          space.lo + glm::vec3(node.hi[0][i], node.hi[1][i], node.hi[2][i]) + margin};
 }
 
 /// Triangles that `take(corners)` takes, below children whose box `keep(box)` keeps.
@@ -226,8 +200,8 @@ std::vector<std::uint32_t> query(const Bvh8& tree, Keep&& keep, Take&& take) {
   while (!stack.empty()) {
     const Bvh8Node& node = tree.nodes[stack.back()];
     stack.pop_back();
-    for (int i = 0; i < node.count; ++i) {
-      if (!keep(child_box(tree, node, i))) continue;
+    for (int i = 0; i < 8; ++i) {
+      if (!node.has(i) || !keep(child_box(tree, node, i))) continue;
       if ((node.ref[i] & bvh8_leaf) == 0) {
         stack.push_back(node.ref[i]);
         continue;
@@ -258,7 +232,8 @@ RayHit trace_nearest_scalar(const Bvh8& tree, const Ray& ray, TraceCounters& cou
     const Bvh8Node& node = tree.nodes[stack.back()];
     stack.pop_back();
     ++counters.nodes;
-    for (int i = 0; i < node.count; ++i) {
+    for (int i = 0; i < 8; ++i) {
+      if (!node.has(i)) continue;
       const Aabb box = child_box(tree, node, i);
       float enter = 0.0f, leave = 0.0f;
       pass_box(prepared, box.lo, box.hi, enter, leave);
@@ -284,8 +259,7 @@ Bvh8 widen(const Bvh& bvh, const TriangleSoup& soup) { return Widener(bvh, soup)
 
 Bvh8 build_bvh8(const TriangleSoup& soup) {
   // Small leaves, which the collapse joins where that is cheaper.
-  constexpr BvhBuildConfig config{.max_leaf_size = 4, .node_cost = 1.5f};
-  return widen(build_bvh_sah(bounds_of_triangles(soup), config), soup);
+  return widen(build_bvh(bounds_of_triangles(soup), {.max_leaf_size = 4, .grouped = false}), soup);
 }
 
 std::vector<std::uint32_t> box_query(const Bvh8& tree, const Aabb& box) {

@@ -17,7 +17,7 @@ struct Range {
 
 /// Top-down over items with centroids; `cut(begin, end, centres, items)` reorders a range and says where it is cut.
 template <class CutAt>
-Bvh build_top_down(std::span<const Aabb> boxes, const BvhBuildConfig& config, CutAt&& cut) {
+Bvh build_top_down(std::span<const Aabb> boxes, const BvhConfig& config, CutAt&& cut) {
   assert(config.max_leaf_size >= 1 && config.max_leaf_size <= 255);
   Bvh bvh;
   if (boxes.empty()) return bvh;
@@ -58,7 +58,7 @@ int longest_axis(const Aabb& box) {
 
 }  // namespace
 
-Bvh build_bvh_extent(std::span<const Aabb> boxes, const BvhBuildConfig& config) {
+Bvh build_bvh_extent(std::span<const Aabb> boxes, const BvhConfig& config) {
   return build_top_down(boxes, config,
                         [](std::uint32_t begin, std::uint32_t end, const Aabb& bounds,
                            const std::vector<glm::vec3>& centres, std::vector<std::uint32_t>& items) -> Cut {
@@ -71,7 +71,7 @@ Bvh build_bvh_extent(std::span<const Aabb> boxes, const BvhBuildConfig& config) 
                         });
 }
 
-Bvh build_bvh_median(std::span<const Aabb> boxes, const BvhBuildConfig& config) {
+Bvh build_bvh_median(std::span<const Aabb> boxes, const BvhConfig& config) {
   return build_top_down(boxes, config,
                         [](std::uint32_t begin, std::uint32_t end, const Aabb&, const std::vector<glm::vec3>& centres,
                            std::vector<std::uint32_t>& items) -> Cut {

@@ -11,22 +11,16 @@ namespace {
 
 class LinearBuilder {
  public:
-  LinearBuilder(std::span<const Aabb> boxes, const BvhBuildConfig& config) : boxes_(boxes), config_(config) {}
+  LinearBuilder(std::span<const Aabb> boxes, const BvhConfig& config) : boxes_(boxes), config_(config) {}
 
   Bvh build() {
     if (boxes_.empty()) return {};
-    keys_ = morton_order(boxes_);
-    const std::vector<MortonRun> groups = morton_runs(keys_, 64);
-    std::vector<Aabb> bounds;
-    for (const MortonRun& group : groups) {
-      Aabb box;
-      for (std::uint32_t i = group.begin; i < group.end; ++i) box.extend(boxes_[box_of(keys_[i])]);
-      bounds.push_back(box);
-    }
-    const Bvh top = build_bvh_sah(bounds, {.max_leaf_size = 1, .node_cost = 0.0f});
+    MortonGroups groups = morton_groups(boxes_, 64);
+    keys_ = std::move(groups.keys);
+    const Bvh top = build_bvh(groups.bounds, {.max_leaf_size = 1, .grouped = false});
     bvh_.nodes.reserve(boxes_.size());
     bvh_.items.reserve(boxes_.size());
-    graft(top, groups);
+    graft(top, groups.runs);
     for (std::uint32_t i = static_cast<std::uint32_t>(bvh_.nodes.size()); i-- > 0;) {
       BvhNode& node = bvh_.nodes[i];
       if (node.leaf()) continue;
@@ -93,7 +87,7 @@ class LinearBuilder {
   }
 
   std::span<const Aabb> boxes_;
-  BvhBuildConfig config_;
+  BvhConfig config_;
   std::vector<MortonKey> keys_;
   std::vector<Task> stack_;
   Bvh bvh_;
@@ -101,7 +95,7 @@ class LinearBuilder {
 
 }  // namespace
 
-Bvh build_bvh_linear(std::span<const Aabb> boxes, const BvhBuildConfig& config) {
+Bvh build_bvh_linear(std::span<const Aabb> boxes, const BvhConfig& config) {
   assert(config.max_leaf_size >= 1 && config.max_leaf_size <= 255);
   return LinearBuilder(boxes, config).build();
 }

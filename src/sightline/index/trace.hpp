@@ -69,7 +69,7 @@ bool approach(const Ray& ray, const TraceSpace& space, TraceRay& prepared);
   if (!(prepared.t_near <= prepared.t_far)) return false;
   set_shear(prepared.shear, prepared.origin, ray.direction);
   // A component so small that it moves the ray by less than the slack over the whole scene counts as that small number.
-  const glm::vec3 size = glm::abs(ray.direction);
+  const glm::vec3 size = magnitudes(ray.direction);
   const float least = std::max({size.x, size.y, size.z}) * 1e-12f;
   for (int axis = 0; axis < 3; ++axis) {
     prepared.inverse[axis] = 1.0f / std::copysign(std::max(size[axis], least), ray.direction[axis]);

@@ -122,15 +122,15 @@ class BruteTracer final : public Tracer {
 };
 
 using Made = std::unique_ptr<Tracer>;
-constexpr BvhBuildConfig wide_leaves{.max_leaf_size = static_cast<int>(bvh8_leaf_limit)};
+constexpr BvhConfig wide_leaves{.max_leaf_size = static_cast<int>(bvh8_leaf_limit)};
 
 Made make_bvh8(const TriangleSoup& soup) { return std::make_unique<Bvh8Tracer>(build_bvh8(soup)); }
 Made make_bvh8_linear(const TriangleSoup& soup) {
   return std::make_unique<Bvh8Tracer>(widen(build_bvh_linear(bounds_of_triangles(soup), wide_leaves), soup));
 }
-template <Bvh (*build)(std::span<const Aabb>, const BvhBuildConfig&)>
+template <Bvh (*build)(std::span<const Aabb>, const BvhConfig&)>
 Made make_bvh(const TriangleSoup& soup) {
-  return std::make_unique<BvhTracer>(soup, build(bounds_of_triangles(soup), {}));
+  return std::make_unique<BvhTracer>(soup, build(bounds_of_triangles(soup), {.grouped = false}));
 }
 Made make_grid(const TriangleSoup& soup) { return std::make_unique<CellTracer<Grid>>(soup, build_grid(soup)); }
 Made make_octree(const TriangleSoup& soup) { return std::make_unique<CellTracer<AxisTree>>(soup, build_octree(soup)); }
@@ -151,9 +151,9 @@ Made make_bsp(const TriangleSoup& soup) {
 Made make_brute(const TriangleSoup& soup) { return std::make_unique<BruteTracer>(soup); }
 
 constexpr std::array kinds{
-    TracerKind{"bvh8", "eight children, bounds in eight bits; surface area heuristic", make_bvh8},
+    TracerKind{"bvh8", "eight children, tested as vectors; surface area heuristic", make_bvh8},
     TracerKind{"bvh8_linear", "the same over a tree along a Morton curve", make_bvh8_linear},
-    TracerKind{"bvh", "binary hierarchy, surface area heuristic", make_bvh<build_bvh_sah>},
+    TracerKind{"bvh", "binary hierarchy, surface area heuristic", make_bvh<build_bvh>},
     TracerKind{"bvh_linear", "binary hierarchy along a Morton curve", make_bvh<build_bvh_linear>},
     TracerKind{"bvh_median", "binary hierarchy, median of the centroids", make_bvh<build_bvh_median>},
     TracerKind{"bvh_extent", "binary hierarchy, middle of the longest side", make_bvh<build_bvh_extent>},
