@@ -46,7 +46,8 @@ struct Bvh8 {
 };
 
 /// Widens a binary hierarchy over the triangles of a soup (items are places, leaves of at most bvh8_leaf_limit) by
-/// opening the child of largest area first. Throws std::length_error above 2^28 triangles.
+/// cost: what is cheapest by surface area (Ylitie, Karras and Laine 2017). Throws std::length_error above 2^28
+/// triangles.
 Bvh8 widen(const Bvh& bvh, const TriangleSoup& soup);
 
 /// Surface area heuristic, then widened: what is wanted mostly.
