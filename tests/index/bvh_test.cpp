@@ -8,7 +8,9 @@
 #include <vector>
 
 #include "properties.hpp"
+#include "sightline/index/bvh_builders.hpp"
 #include "sightline/parallel/parallel.hpp"
+#include "sightline/scene/generate/random.hpp"
 
 namespace sightline {
 namespace {
@@ -266,6 +268,32 @@ TEST(Bvh, RefitAfterNothingMovedChangesNothing) {
   Bvh same = built;
   refit(same, boxes);
   for (std::size_t i = 0; i < built.nodes.size(); ++i) EXPECT_EQ(built.nodes[i].bounds, same.nodes[i].bounds) << i;
+}
+
+struct NamedBuilder {
+  const char* name;
+  Bvh (*build)(std::span<const Aabb>, const BvhConfig&);
+};
+constexpr NamedBuilder builders[] = {
+    {"sah", build_bvh}, {"linear", build_bvh_linear}, {"median", build_bvh_median}, {"extent", build_bvh_extent}};
+
+TEST(BvhBuilders, EveryBoxOnceWithinItsNodes) {
+  Random random(2);
+  for (const std::size_t n : {0, 1, 2, 5, 8, 9, 63, 64, 65, 1000, 5000})
+    for (int kind = 0; kind < 4; ++kind) {
+      std::vector<Aabb> boxes;
+      for (std::size_t i = 0; i < n; ++i) {
+        const glm::vec3 p = kind == 1 ? glm::vec3(1) : glm::vec3(10.0 * random.direction());
+        Aabb box{p, p + static_cast<float>(random.power_of_two_range(-9, 3)) * glm::abs(glm::vec3(random.direction()))};
+        if (kind == 2 && i % 3 == 0) box = {};
+        if (kind == 3) box = {{static_cast<float>(i), 0, 0}, {static_cast<float>(i), 0, 0}};
+        boxes.push_back(box);
+      }
+      for (const auto& [name, build] : builders)
+        for (const int leaf : {1, 4, 8})
+          EXPECT_EQ(complaint(build(boxes, {.max_leaf_size = leaf}), boxes, {.max_leaf_size = leaf}), "")
+              << name << " of " << n << " boxes of kind " << kind << ", leaves of " << leaf;
+    }
 }
 
 }  // namespace

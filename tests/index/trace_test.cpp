@@ -377,59 +377,6 @@ TEST(Trace, IdsNameObjectAndTriangle) {
   EXPECT_EQ(place, soup.size());
 }
 
-/// What is wrong with a hierarchy over these boxes, or an empty string.
-std::string complaint(const Bvh& bvh, const std::vector<Aabb>& boxes, int max_leaf) {
-  std::vector<int> seen(boxes.size(), 0);
-  std::size_t reached = 0;
-  std::vector<std::uint32_t> stack(bvh.nodes.empty() ? 0 : 1, 0u);
-  while (!stack.empty()) {
-    const BvhNode& node = bvh.nodes[stack.back()];
-    stack.pop_back();
-    ++reached;
-    if (!node.leaf()) {
-      for (std::uint32_t child = node.first; child < node.first + 2; ++child) {
-        if (!bvh.nodes[child].bounds.empty() && !node.bounds.contains(bvh.nodes[child].bounds))
-          return "a child sticks out";
-        stack.push_back(child);
-      }
-      continue;
-    }
-    if (node.count > static_cast<std::uint32_t>(max_leaf)) return "a leaf too large";
-    for (std::uint32_t i = node.first; i < node.first + node.count; ++i) {
-      if (++seen[bvh.items[i]] > 1) return "an item twice";
-      if (!boxes[bvh.items[i]].empty() && !node.bounds.contains(boxes[bvh.items[i]])) return "an item sticks out";
-    }
-  }
-  if (reached != bvh.nodes.size()) return "nodes that nobody reaches";
-  return static_cast<std::size_t>(std::count(seen.begin(), seen.end(), 1)) == boxes.size() ? "" : "an item is lost";
-}
-
-struct NamedBuilder {
-  const char* name;
-  Bvh (*build)(std::span<const Aabb>, const BvhConfig&);
-};
-constexpr NamedBuilder builders[] = {
-    {"sah", build_bvh}, {"linear", build_bvh_linear}, {"median", build_bvh_median}, {"extent", build_bvh_extent}};
-
-TEST(BvhBuilders, EveryBoxOnceWithinItsNodes) {
-  Random random(2);
-  for (const std::size_t n : {0, 1, 2, 5, 8, 9, 63, 64, 65, 1000, 5000})
-    for (int kind = 0; kind < 4; ++kind) {
-      std::vector<Aabb> boxes;
-      for (std::size_t i = 0; i < n; ++i) {
-        const glm::vec3 p = kind == 1 ? glm::vec3(1) : glm::vec3(10.0 * random.direction());
-        Aabb box{p, p + static_cast<float>(random.power_of_two_range(-9, 3)) * glm::abs(glm::vec3(random.direction()))};
-        if (kind == 2 && i % 3 == 0) box = {};
-        if (kind == 3) box = {{static_cast<float>(i), 0, 0}, {static_cast<float>(i), 0, 0}};
-        boxes.push_back(box);
-      }
-      for (const auto& [name, build] : builders)
-        for (const int leaf : {1, 4, 8})
-          EXPECT_EQ(complaint(build(boxes, {.max_leaf_size = leaf}), boxes, leaf), "")
-              << name << " of " << n << " boxes of kind " << kind << ", leaves of " << leaf;
-    }
-}
-
 TEST(Grid, HoldsAFewCellsForEachTriangleAndNeverMoreThanAsked) {  // 14.02, 14.03
   const TriangleSoup soup = soup_of(generate_scene("city", {.objects = 60}));
   const auto cells = [](const Grid& grid) {
