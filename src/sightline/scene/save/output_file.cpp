@@ -28,6 +28,7 @@ struct UnfinishedName {
 std::array<UnfinishedName, 8> unfinished;
 static_assert(std::atomic<bool>::is_always_lock_free);
 
+/// The slot that holds the name from now on, -1 if none was free.
 int remember(const std::string& name) {
   if (name.size() >= PATH_MAX) return -1;
   for (std::size_t i = 0; i < unfinished.size(); ++i) {
@@ -62,13 +63,18 @@ OutputFile::OutputFile(fs::path file) : file_(std::move(file)) {
   if (fs::is_directory(file_, ignored)) throw InputError(file_.string(), "", "cannot write: is a folder");
   const bool direct = fs::exists(file_, ignored) && !fs::is_regular_file(file_, ignored);
   // A name of its own for every writer, also for two of one process or of two machines on one disk.
-  if (!direct) temporary_ = file_.string() + "." + std::to_string(std::random_device()()) + ".part";
+  if (!direct) {
+    temporary_ = file_.string() + "." + std::to_string(std::random_device()()) + ".part";
+    slot_ = remember(fs::absolute(temporary_, ignored).string());  // before the file is there: a signal may come between
+  }
   stream_ = std::fopen(direct ? file_.c_str() : temporary_.c_str(), "wb");
   if (stream_ == nullptr) {
+    const int reason = errno;
+    forget(slot_);
     temporary_.clear();
+    errno = reason;
     fail("cannot write");
   }
-  if (!direct) slot_ = remember(fs::absolute(temporary_, ignored).string());
 }
 
 OutputFile::~OutputFile() {

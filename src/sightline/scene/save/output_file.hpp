@@ -31,7 +31,7 @@ class OutputFile {
 };
 
 /// Removes the temporary files of all OutputFiles that are open; for a signal handler that ends the program.
-/// Async-signal- safe.
+/// Async-signal-safe.
 void remove_unfinished_files() noexcept;
 
 }  // namespace sightline
