@@ -219,6 +219,7 @@ struct DetailOptions {
 struct SigmaOptions {
   CommonOptions common;
   std::string scene;
+  std::string method = "occlusion_masked";  // gets tight=S
   std::vector<double> sigmas{1.0, 1.1, 1.2, 1.4, 1.6, 2.0, 3.0, 5.0};
   PathOptions path{"", 24};
   CameraOptions camera;

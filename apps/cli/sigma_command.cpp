@@ -7,6 +7,9 @@ namespace {
 
 void add_sigma(CLI::App& app, SigmaOptions& options) {
   add_scene(app, options.scene);
+  app.add_option("--method", options.method, "the culler, one with a parameter tight")
+      ->type_name("METHOD")
+      ->capture_default_str();
   add_text(app, "--sigma", "S[,S]...", "values to sweep, 1 to 100", "1,1.1,1.2,1.4,1.6,2,3,5",
            [&options](const std::string& text) {
              options.sigmas.clear();

@@ -25,9 +25,13 @@ std::vector<Contender> contenders() {
         "occlusion_horizon:columns=16", "occlusion_horizon:columns=4096", "occlusion_hzb:order=random:fan=3:min_size=0",
         "occlusion_hzb:order=worst:resolution=0.25", "occlusion_hom:block=1:min_size=0:resolution=1",
         "occlusion_hom:block=64:resolution=0.25", "occlusion_hom:depth=boxes",
-        "occlusion_map:order=random:batch=3:min_size=0", "occlusion_map:order=worst:resolution=1"})
+        "occlusion_map:order=random:batch=3:min_size=0", "occlusion_map:order=worst:resolution=1",
+        "occlusion_horizon:tight=1.4", "occlusion_hzb:tight=1.4", "occlusion_hzb:tight=4:min_size=0:order=random",
+        "occlusion_hom:tight=1.4", "occlusion_hom:tight=4:depth=boxes", "occlusion_map:tight=1.4",
+        "occlusion_map:tight=4:order=random:batch=3:min_size=0"})
     all.push_back({setting, Promise::conservative_continuous});
-  all.push_back({"occlusion_virtual:step=1:min_size=0", Promise::conservative});
+  for (const char* setting : {"step=1:min_size=0", "step=1:min_size=0:tight=1.4"})
+    all.push_back({std::string("occlusion_virtual:") + setting, Promise::conservative});
   for (const char* setting : {"occlusion_hzb:pixels=30", "occlusion_hom:opacity=0.7:holes=9",
                               "occlusion_horizon:occluders=boxes", "occlusion_virtual:step=64:pixels=2"})
     all.push_back({setting, Promise::approximate});
@@ -50,6 +54,8 @@ std::vector<Contender> short_list() {
     if (contender.text.find(':') == std::string::npos) all.push_back(contender);
   for (const char* setting : {"resolution=1:min_size=0:detail=0:triangles=1000000", "tight=1.4"})
     all.push_back({std::string("occlusion_masked:") + setting, Promise::conservative_continuous});
+  for (const char* row : {"horizon", "hzb", "hom", "map"})
+    all.push_back({"occlusion_" + std::string(row) + ":tight=1.4", Promise::conservative_continuous});
   return all;
 }
 

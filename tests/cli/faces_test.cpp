@@ -71,6 +71,18 @@ TEST_F(Faces, SigmaSweep) {
   EXPECT_NE(read_file(file("sigma.svg")).find("false-visible"), std::string::npos);
 }
 
+TEST_F(Faces, SigmaSweepsEveryOcclusionCuller) {
+  for (const char* method : {"occlusion_masked", "occlusion_horizon", "occlusion_hzb", "occlusion_hom:block=8",
+                             "occlusion_map", "occlusion_virtual:step=1"}) {
+    const Outcome outcome = run({"sigma", "generate:building:objects=400", "--frames", "6", "--size", "320x180",
+                                 "--sigma", "1,1.4", "--method", method, "--json", "-"});
+    ASSERT_EQ(outcome.code, 0) << method << ": " << outcome.err;
+    const Json rows = outcome.json().at("rows");
+    EXPECT_LE(rows[1].at("reported"), rows[0].at("reported")) << method;
+    EXPECT_GT(rows[1].at("queries"), rows[0].at("queries")) << method;
+  }
+}
+
 TEST_F(Faces, WalkTellsLostPixels) {
   const Outcome outcome =
       run({"walk", "generate:city:objects=400", "--frames", "4", "--size", "320x180", "--method", "detail:pixels=500"});
@@ -93,6 +105,8 @@ TEST_F(Faces, Complaints) {
   expect_complaint({"faces", "generate:city:objects=9", "--method", "frustum_linear"}, 2, "face culler");
   expect_complaint({"faces", "generate:city:objects=9", "--method", "normal_mask:n=40"}, 2, "normal_mask");
   expect_complaint({"sigma", "generate:city:objects=9", "--sigma", "0.5"}, 2, "--sigma");
+  expect_complaint({"sigma", "generate:city:objects=9", "--method", "frustum_linear"}, 2, "tight");
+  expect_complaint({"sigma", "generate:city:objects=9", "--method", "occlusion_wide"}, 2, "occlusion_wide");
   expect_complaint({"bounds", file("none.glb")}, 3, "none.glb");
 }
 

@@ -6,6 +6,7 @@
 #include "agreement/cases.hpp"
 #include "sightline/cull/occlusion_map.hpp"
 #include "sightline/oracle/oracle.hpp"
+#include "sightline/scene/generate/shapes.hpp"
 #include "sightline/scene/input_error.hpp"
 
 namespace sightline {
@@ -92,6 +93,30 @@ TEST(Occlusion, ATetrahedronBehindTwoObjects) {
   const IndexedScene poking_index = index_scene(poking);
   for (const char* method : conservative)
     EXPECT_TRUE(ask(method, poking_index, front_view()).visible.contains(seen)) << method;
+}
+
+// 24.01-24.05: a bend whose arms are hidden by a low and a tall wall; the box around both is not.
+TEST(Occlusion, TightBoundsHideWhatOneBoxDoesNot) {
+  SceneBuilder builder;
+  const auto add = [&](const glm::vec3& low, const glm::vec3& high) {
+    return builder.add_object(builder.add_mesh(make_box(low, high)), identity_affine());
+  };
+  add({-6, 0, -10}, {6, 1.5f, -9.5f});
+  add({0.5f, 0, -9}, {3, 9, -8.5f});
+  Mesh bend = make_box({-4, 0, -20}, {3, 1, -19});
+  append(bend, make_box({3, 0, -20}, {4, 8, -19}));
+  const ObjectId hidden = builder.add_object(builder.add_mesh(std::move(bend)), identity_affine());
+  const Scene scene = builder.build();
+  const IndexedScene indexed = index_scene(scene);
+  const View view = small_view({0, 1, 0}, {0, 0.1, -1});
+  ASSERT_FALSE(Oracle(scene).look(view).seen.contains(hidden));
+  for (const char* method : {"occlusion_masked", "occlusion_horizon", "occlusion_hzb", "occlusion_hom", "occlusion_map",
+                             "occlusion_virtual"}) {
+    EXPECT_TRUE(ask(method, indexed, view).visible.contains(hidden)) << method;
+    const Answer tight = ask(std::string(method) + ":tight=1.4", indexed, view);
+    EXPECT_FALSE(tight.visible.contains(hidden)) << method;
+    EXPECT_TRUE(verdict_of(tight, scene, view).missed.empty()) << method;
+  }
 }
 
 // 21.07: what is seen through few pixels is dropped from a threshold on, and the loss stays below it.

@@ -56,18 +56,21 @@ class OcclusionHom final : public Culler {
     draw_occluders();
     stage_.end(counters);
     const OverlapPyramid::Threshold threshold{opacity_, static_cast<double>(stage_.scaled_pixels(holes_))};
-    for (const StagedObject& object : stage_.objects()) {
-      const BoxFootprint& f = object.footprint;
-      if (f.place == BoxPlace::rectangle) {
+    const auto seen = [&](std::span<const Occludee> boxes) {
+      return std::any_of(boxes.begin(), boxes.end(), [&](const Occludee& box) {
+        const BoxFootprint& f = box.footprint;
         ++counters.queries;
-        if (depth_.before(f) && overlap_.covers(f.x0, f.y0, f.x1, f.y1, threshold, counters.cells_tested)) continue;
-      }
-      visible.insert(object.id);
-    }
+        return !depth_.before(f) || !overlap_.covers(f.x0, f.y0, f.x1, f.y1, threshold, counters.cells_tested);
+      });
+    };
+    for (const StagedObject& object : stage_.objects())
+      if (stage_.may_be_seen(object, seen)) visible.insert(object.id);
   }
 
-  /// The stage reads places from the scene in every frame.
-  bool follow_scene() override { return true; }
+  bool follow_scene() override {
+    stage_.follow_scene();
+    return true;
+  }
 
   [[nodiscard]] Promise promise(Promise of_row) const override {
     return opacity_ < 1 || holes_ > 0 ? Promise::approximate : of_row;

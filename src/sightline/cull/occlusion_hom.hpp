@@ -11,9 +11,9 @@
 namespace sightline {
 
 /// Parameters: `depth`: estimated from what was "buffer" drawn or from the "boxes" of the occluders; resolution,
-/// triangles, min_size and scalar of the stage (cull/occlusion_stage.hpp); `opacity`: share of a cell that must be
-/// covered, 0.5 to 1; `holes`: view pixels of a hole that may be ignored, 0 to 10^6; `block`: pixels across a block of
-/// the depth estimate, 1 to 256.
+/// triangles, min_size, scalar and tight of the stage (cull/occlusion_stage.hpp); `opacity`: share of a cell that must
+/// be covered, 0.5 to 1; `holes`: view pixels of a hole that may be ignored, 0 to 10^6; `block`: pixels across a block
+/// of the depth estimate, 1 to 256.
 std::unique_ptr<Culler> make_occlusion_hom(const IndexedScene& scene, ParameterReader& parameters);
 
 }  // namespace sightline

@@ -10,6 +10,7 @@
 #include "sightline/parallel/parallel.hpp"
 #include "sightline/raster/horizon.hpp"
 #include "sightline/scene/input_error.hpp"
+#include "sightline/scene/occludee_bounds.hpp"
 
 namespace sightline {
 namespace {
@@ -123,7 +124,7 @@ constexpr std::uint32_t few = 32;
 
 class OcclusionHorizon final : public Culler {
  public:
-  OcclusionHorizon(const IndexedScene& scene, int columns, bool boxes)
+  OcclusionHorizon(const IndexedScene& scene, int columns, bool boxes, double tight)
       : indexed_(scene),
         scene_(scene.scene),
         bvh_(scene.bvh),
@@ -134,6 +135,8 @@ class OcclusionHorizon final : public Culler {
         node_boxes_(node_bounds(scene.bvh)),
         item_boxes_(bounds_in_tree_order(scene)) {
     if (!boxes) fences_ = std::make_unique<SceneFences>(scene.scene);
+    if (tight > 1.0) tight_ = OccludeeBounds(scene_, {.sigma = tight});
+    part_boxes_ = BoxArrays(tight_.boxes());
   }
 
   void cull(const View& view, const VisibleSet& candidates, VisibleSet& visible, Counters& counters) override {
@@ -160,7 +163,7 @@ class OcclusionHorizon final : public Culler {
       if (box.nearest >= walls_to_ && hidden_by_horizon(horizon_.plan(), box, counters)) continue;
       if ((box.index & node_mark) != 0)
         take_node(box.index & ~node_mark, counters);
-      else if (all_ || candidates.contains(bvh_.items[box.index]))
+      else if ((all_ || candidates.contains(bvh_.items[box.index])) && parts_may_be_seen(box, counters))
         take_object(box, visible);
     }
   }
@@ -170,6 +173,10 @@ class OcclusionHorizon final : public Culler {
     item_boxes_ = BoxArrays(bounds_in_tree_order(indexed_));
     reach_ = reach(scene_.bounds());
     if (fences_) fences_->follow();
+    if (!tight_.empty()) {
+      tight_.follow(scene_);
+      part_boxes_ = BoxArrays(tight_.boxes());
+    }
     return true;
   }
 
@@ -199,6 +206,16 @@ class OcclusionHorizon final : public Culler {
       ask(item_boxes_, items, 0, counters);
     else
       ask(node_boxes_, {node.first, node.first + 2}, node_mark, counters);
+  }
+
+  /// The tight bounds of an object whose box may be seen; true without.
+  bool parts_may_be_seen(const HorizonBox& box, Counters& counters) {
+    const ObjectId id = bvh_.items[box.index];
+    if (tight_.empty() || tight_.boxes(id).size() <= 1) return true;
+    const std::uint32_t begin = tight_.first(id), end = tight_.first(id + 1);
+    parts_over_.resize(end - begin);
+    return boxes_over_horizon(horizon_.plan(), part_boxes_, begin, end, frustum_, walls_to_, parts_over_.data(),
+                              counters) > 0;
   }
 
   void take_object(const HorizonBox& box, VisibleSet& visible) {
@@ -240,14 +257,17 @@ class OcclusionHorizon final : public Culler {
   int columns_;
   bool boxes_;
   double reach_;
-  std::vector<ItemRange> ranges_;      // items below each node
-  BoxArrays node_boxes_, item_boxes_;  // of bvh_.nodes and bvh_.items, in their order
+  std::vector<ItemRange> ranges_;                  // items below each node
+  BoxArrays node_boxes_, item_boxes_;              // of bvh_.nodes and bvh_.items, in their order
+  OccludeeBounds tight_;                           // empty without
+  BoxArrays part_boxes_{std::span<const Aabb>()};  // of tight_.boxes(), in their order
   std::unique_ptr<SceneFences> fences_;
   Horizon horizon_;
   Frustum frustum_;
   bool all_ = false;
   float walls_to_ = 0;  // where the farthest wall of the horizon ends, plan distance
   std::vector<std::uint32_t> found_;
+  std::vector<HorizonBox> parts_over_;  // tight boxes of an object that were not hidden
   std::vector<HorizonBox> boxes_over_;  // all that were found in the frustum and not hidden
   DistanceQueue open_;                  // those of boxes_over_ that are still to be taken, by where they begin
   DistanceQueue walls_;                 // objects whose walls are still to be added, by where they end
@@ -257,13 +277,15 @@ class OcclusionHorizon final : public Culler {
 
 std::unique_ptr<Culler> make_occlusion_horizon(const IndexedScene& scene, ParameterReader& parameters) {
   int columns = 120;
+  double tight = 1.0;
   std::string occluders = "walls";
   parameters.read("columns", columns, 16, 16384);
   parameters.read("occluders", occluders);
+  parameters.read("tight", tight, 1.0, 100.0);
   parameters.finish();
   if (occluders != "walls" && occluders != "boxes")
     throw InputError("", "occlusion_horizon: occluders", "must be walls or boxes, not '" + occluders + "'");
-  return std::make_unique<OcclusionHorizon>(scene, columns, occluders == "boxes");
+  return std::make_unique<OcclusionHorizon>(scene, columns, occluders == "boxes", tight);
 }
 
 }  // namespace sightline

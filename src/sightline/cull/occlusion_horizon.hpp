@@ -11,7 +11,8 @@
 namespace sightline {
 
 /// Parameters: `columns`: of the horizon, 16 to 16384; `occluders`: "walls", or "boxes", the slides' shortcut that
-/// takes the bounding box of every object for solid and is approximate.
+/// takes the bounding box of every object for solid and is approximate; `tight`: sigma of tight occludee bounds
+/// (scene/occludee_bounds), 1 to 100.
 std::unique_ptr<Culler> make_occlusion_horizon(const IndexedScene& scene, ParameterReader& parameters);
 
 }  // namespace sightline

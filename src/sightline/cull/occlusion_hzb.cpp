@@ -17,19 +17,26 @@ class OcclusionHzb final : public Culler {
     pyramid_.reset(stage_.width(), stage_.height(), fan_);
     const int enough = stage_.scaled_pixels(pixels_);
     for (const StagedObject& object : stage_.objects()) {
-      const BoxFootprint& f = object.footprint;
-      if (f.place == BoxPlace::rectangle) {
-        ++counters.queries;
-        if (pyramid_.open_pixels(f.x0, f.y0, f.x1, f.y1, f.nearest, enough, counters.cells_tested) <= enough) continue;
-      }
+      const auto seen = [&](std::span<const Occludee> boxes) {
+        int open = 0;
+        for (const auto& [bounds, f] : boxes) {
+          ++counters.queries;
+          open += pyramid_.open_pixels(f.x0, f.y0, f.x1, f.y1, f.nearest, enough - open, counters.cells_tested);
+          if (open > enough) return true;
+        }
+        return false;
+      };
+      if (!stage_.may_be_seen(object, seen)) continue;
       visible.insert(object.id);
-      if (stage_.draw(object)) take_over(f);
+      if (stage_.draw(object)) take_over(object.footprint);
     }
     stage_.end(counters);
   }
 
-  /// The stage reads places from the scene in every frame.
-  bool follow_scene() override { return true; }
+  bool follow_scene() override {
+    stage_.follow_scene();
+    return true;
+  }
 
   [[nodiscard]] Promise promise(Promise of_row) const override { return pixels_ > 0 ? Promise::approximate : of_row; }
 

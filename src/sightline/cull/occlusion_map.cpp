@@ -58,8 +58,10 @@ class OcclusionMap final : public Culler {
     stage_.end(counters);
   }
 
-  /// The stage reads places from the scene in every frame.
-  bool follow_scene() override { return true; }
+  bool follow_scene() override {
+    stage_.follow_scene();
+    return true;
+  }
 
  private:
   void order_batches() {
@@ -75,18 +77,21 @@ class OcclusionMap final : public Culler {
   void run_batch(std::size_t begin, std::size_t end, VisibleSet& visible, Counters& counters) {
     drawn_.clear();
     bool asked = false;
-    for (std::size_t i = begin; i < end; ++i) {
-      const StagedObject& object = stage_.objects()[order_[i]];
-      const BoxFootprint& f = object.footprint;
-      if (f.place == BoxPlace::rectangle) {
+    const auto seen = [&](std::span<const Occludee> boxes) {
+      return std::any_of(boxes.begin(), boxes.end(), [&](const Occludee& box) {
+        const BoxFootprint& f = box.footprint;
         if (use_map_ && !map_.covers(f.x0, f.y0, f.x1, f.y1, counters.cells_tested)) {
           ++counters.queries_saved;
-        } else {
-          ++counters.queries;
-          asked = true;
-          if (!stage_.buffer().may_be_seen(stage_.scene().objects()[object.id].bounds)) continue;
+          return true;
         }
-      }
+        ++counters.queries;
+        asked = true;
+        return stage_.buffer().may_be_seen(box.bounds);
+      });
+    };
+    for (std::size_t i = begin; i < end; ++i) {
+      const StagedObject& object = stage_.objects()[order_[i]];
+      if (!stage_.may_be_seen(object, seen)) continue;
       visible.insert(object.id);
       drawn_.push_back(order_[i]);
     }

@@ -20,12 +20,12 @@ class OcclusionMasked final : public Culler {
         config_(config),
         buffer_(config.scalar),
         occluders_(config.occluders ? config.occluders : occluders_of(scene.scene, config)) {
-    follow_scene();
+    if (config.tight > 1.0) tight_ = OccludeeBounds(scene_, {.sigma = config.tight});
   }
 
   /// Places are read from the scene in every frame; only tight bounds are kept.
-  bool follow_scene() final {
-    if (config_.tight > 1.0) tight_ = OccludeeBounds(scene_, {.sigma = config_.tight});
+  bool follow_scene() override {
+    if (!tight_.empty()) tight_.follow(scene_);
     return true;
   }
 

@@ -44,6 +44,7 @@ void read_stage(ParameterReader& parameters, OcclusionStageConfig& config) {
   parameters.read("triangles", config.triangles, 0, 1 << 30);
   parameters.read("min_size", config.min_size, 0.0, 1e6);
   parameters.read("scalar", config.scalar);
+  parameters.read("tight", config.tight, 1.0, 100.0);
 }
 
 OcclusionStage::OcclusionStage(const IndexedScene& scene, const OcclusionStageConfig& config)
@@ -59,6 +60,22 @@ OcclusionStage::OcclusionStage(const IndexedScene& scene, const OcclusionStageCo
         meshes_[i] = make_occluder(mesh.positions, mesh.triangles);
     }
   });
+  if (config_.tight > 1.0) tight_ = OccludeeBounds(scene_, {.sigma = config_.tight});
+}
+
+void OcclusionStage::follow_scene() {
+  if (!tight_.empty()) tight_.follow(scene_);
+}
+
+bool OcclusionStage::project_parts(ObjectId id) {
+  if (tight_.empty() || tight_.boxes(id).size() <= 1) return false;
+  parts_.clear();
+  for (const Aabb& part : tight_.boxes(id)) {
+    const BoxFootprint footprint = projector_.project(part);
+    if (footprint.place == BoxPlace::everywhere) return false;
+    if (footprint.place == BoxPlace::rectangle) parts_.push_back({part, footprint});
+  }
+  return true;
 }
 
 void OcclusionStage::begin(const View& view, const VisibleSet& candidates, Counters& counters) {
@@ -70,11 +87,11 @@ void OcclusionStage::begin(const View& view, const VisibleSet& candidates, Count
   objects_.clear();
   if (bvh_.nodes.empty()) return;
   collect(view_frustum(view, reach(scene_.bounds())), candidates, counters);
-  const BoxProjector projector(view, width(), height());
+  projector_ = BoxProjector(view, width(), height());
   const glm::dvec3 direction = view_direction(view);
   for (StagedObject& object : objects_) {
     const Aabb& box = scene_.objects()[object.id].bounds;
-    object.footprint = projector.project(box);
+    object.footprint = projector_.project(box);
     object.distance = distance_to(box, view, direction);
   }
   std::erase_if(objects_, [](const StagedObject& object) { return object.footprint.place == BoxPlace::unseen; });

@@ -39,38 +39,44 @@ class OcclusionVirtual final : public Culler {
     visible.reset(candidates.universe());
     stage_.begin(view, candidates, counters);
     for (const StagedObject& object : stage_.objects()) {
-      if (object.footprint.place == BoxPlace::rectangle) {
-        ++counters.queries;
-        if (!passes(view, object, counters)) continue;
-      }
+      const auto seen = [&](std::span<const Occludee> boxes) {
+        int passed = 0;
+        for (const Occludee& box : boxes) {
+          ++counters.queries;
+          passed += passing(view, box, pixels_ - passed, counters);
+          if (passed > pixels_) return true;
+        }
+        return false;
+      };
+      if (!stage_.may_be_seen(object, seen)) continue;
       visible.insert(object.id);
       stage_.draw(object);
     }
     stage_.end(counters);
   }
 
-  /// The stage reads places from the scene in every frame.
-  bool follow_scene() override { return true; }
+  bool follow_scene() override {
+    stage_.follow_scene();
+    return true;
+  }
 
  private:
-  /// Samples stand at fixed pixels of the image, as in the paper, so that neighbouring boxes agree; a rectangle that
-  /// lies between them gets its own middle.
-  bool passes(const View& view, const StagedObject& object, Counters& counters) const {
-    const Aabb& box = stage_.scene().objects()[object.id].bounds;
-    const BoxFootprint& f = object.footprint;
-    int passed = 0;
+  /// How many samples of a box pass, counted until there are more than `enough`. Samples stand at fixed pixels of the
+  /// image, as in the paper, so that neighbouring boxes agree; a rectangle that lies between them gets its own middle.
+  int passing(const View& view, const Occludee& box, int enough, Counters& counters) const {
+    const BoxFootprint& f = box.footprint;
     const auto sample = [&](int x, int y) {
       ++counters.cells_tested;
-      const double t = enter(pixel_ray(view, x + 0.5, y + 0.5), box);
-      if (std::isfinite(t) && !behind(t, stage_.buffer().hidden_beyond(x, y))) ++passed;
-      return passed > pixels_;
+      const double t = enter(pixel_ray(view, x + 0.5, y + 0.5), box.bounds);
+      return std::isfinite(t) && !behind(t, stage_.buffer().hidden_beyond(x, y)) ? 1 : 0;
     };
     const int left = (f.x0 + step_ - 1) / step_ * step_, top = (f.y0 + step_ - 1) / step_ * step_;
     if (left >= f.x1 || top >= f.y1) return sample((f.x0 + f.x1) / 2, (f.y0 + f.y1) / 2);
+    int passed = 0;
     for (int y = top; y < f.y1; y += step_)
       for (int x = left; x < f.x1; x += step_)
-        if (sample(x, y)) return true;
-    return false;
+        if ((passed += sample(x, y)) > enough) return passed;
+    return passed;
   }
 
   OcclusionStage stage_;

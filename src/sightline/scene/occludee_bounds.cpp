@@ -33,26 +33,30 @@ std::vector<Aabb> place(const Mesh& mesh, const TightBounds& tight, const Object
 
 }  // namespace
 
-OccludeeBounds::OccludeeBounds(const Scene& scene, const TightBoundsConfig& config) {
-  std::vector<TightBounds> meshes(scene.meshes().size());
-  parallel_blocks(meshes.size(), 1, [&](std::size_t begin, std::size_t end) {
+OccludeeBounds::OccludeeBounds(const Scene& scene, const TightBoundsConfig& config) : meshes_(scene.meshes().size()) {
+  parallel_blocks(meshes_.size(), 1, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i)
       if (config.sigma > 1.0)
-        meshes[i] = tight_bounds(scene.meshes()[i].positions, scene.meshes()[i].triangles, config);
+        meshes_[i] = tight_bounds(scene.meshes()[i].positions, scene.meshes()[i].triangles, config);
   });
+  follow(scene);
+}
+
+void OccludeeBounds::follow(const Scene& scene) {
   std::vector<std::vector<Aabb>> placed(scene.objects().size());
   const bool corners = scene.triangle_count() <= most_placed_triangles;
   parallel_blocks(placed.size(), 16, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
       const Object& object = scene.objects()[i];
-      const TightBounds& tight = meshes[object.mesh];
+      const TightBounds& tight = meshes_[object.mesh];
       if (tight.boxes.size() > 1)
         placed[i] = place(scene.meshes()[object.mesh], tight, object, corners);
       else if (!object.bounds.empty())
         placed[i] = {object.bounds};
     }
   });
-  first_.push_back(0);
+  boxes_.clear();
+  first_.assign(1, 0);
   for (const std::vector<Aabb>& boxes : placed) {
     boxes_.insert(boxes_.end(), boxes.begin(), boxes.end());
     first_.push_back(static_cast<std::uint32_t>(boxes_.size()));

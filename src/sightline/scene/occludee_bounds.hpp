@@ -17,12 +17,17 @@ class OccludeeBounds {
   /// sigma 1 gives the objects' own boxes. Per mesh the triangles are clustered once; per object each cluster's corners
   /// are placed, or, in scenes of more than 8 million triangles, the corners of its box.
   OccludeeBounds(const Scene& scene, const TightBoundsConfig& config);
+  /// Places the clusters where the objects of the same scene are now.
+  void follow(const Scene& scene);
 
   [[nodiscard]] bool empty() const { return first_.empty(); }
   /// World-space boxes that hold all of the object, rounded outwards.
   [[nodiscard]] std::span<const Aabb> boxes(ObjectId id) const {
     return std::span<const Aabb>(boxes_).subspan(first_[id], first_[id + 1] - first_[id]);
   }
+  /// Those of all objects, in the order of their ids; the first of an object, or of the one after the last.
+  [[nodiscard]] std::span<const Aabb> boxes() const { return boxes_; }
+  [[nodiscard]] std::uint32_t first(ObjectId id) const { return first_[id]; }
   /// True if test(box) is for any of the object's boxes.
   template <class Test>
   [[nodiscard]] bool any(ObjectId id, Test&& test) const {
@@ -35,6 +40,7 @@ class OccludeeBounds {
   [[nodiscard]] std::size_t count() const { return boxes_.size(); }
 
  private:
+  std::vector<TightBounds> meshes_;  // by mesh id
   std::vector<Aabb> boxes_;
   std::vector<std::uint32_t> first_;
 };
