@@ -74,6 +74,15 @@ CameraPath walk(const Scene& scene, const Options& options) {
   return options.path == "stress" ? stress_path(scene, config) : generate_path(scene, config);
 }
 
+/// Median way from view to view, metres.
+double step_of(const CameraPath& path) {
+  std::vector<double> steps{0.0};
+  for (std::size_t i = 1; i < path.views.size(); ++i)
+    steps.push_back(glm::length(path.views[i].eye - path.views[i - 1].eye));
+  std::sort(steps.begin(), steps.end());
+  return steps[steps.size() / 2];
+}
+
 struct Row {
   std::string name;
   std::unique_ptr<gl::Method> method;
@@ -168,8 +177,9 @@ int measure(gl::Context& context, const std::string& name, const Options& option
   const Scene scene = open(name);
   const CameraPath path = walk(scene, options);
   gl::SceneDrawing drawing(context, scene, {.lit = !options.flat});
-  std::printf("\n%s: %zu objects, %.2f M triangles, %zu frames of %dx%d\n", name.c_str(), scene.objects().size(),
-              1e-6 * static_cast<double>(scene.triangle_count()), path.views.size(), options.width, options.height);
+  std::printf("\n%s: %zu objects, %.2f M triangles, %zu frames of %dx%d, a step %.2f m\n", name.c_str(),
+              scene.objects().size(), 1e-6 * static_cast<double>(scene.triangle_count()), path.views.size(),
+              options.width, options.height, step_of(path));
   if (check(drawing, options.methods, path, options.check) > 0) return 1;
   std::printf("%d frames of %zu methods checked: every picture is that of drawing everything, bit by bit\n",
               std::min(options.check, options.frames), options.methods.size());

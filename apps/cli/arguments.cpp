@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 
@@ -89,6 +90,8 @@ std::vector<std::string> parse_names(std::string_view option, std::string_view t
   std::vector<std::string> names;
   for (const std::string_view part : split(text, ',')) {
     if (part.empty()) refuse(option, text, "a list of names with commas between");
+    if (std::find(names.begin(), names.end(), part) != names.end())
+      throw UsageError(fmt::format("{}: '{}' is given twice", option, part));
     names.emplace_back(part);
   }
   return names;

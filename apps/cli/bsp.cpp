@@ -7,6 +7,7 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "interrupt.hpp"
 #include "json_output.hpp"
 #include "picture.hpp"
 #include "query_options.hpp"
@@ -61,7 +62,7 @@ Result build(const BspOptions& options, const PolygonSet& polygons, const std::s
   config.go_on = [&](double share) {
     result.share = share;
     progress.show(static_cast<std::size_t>(share * static_cast<double>(steps)));
-    return ms() <= 1e3 * options.most_seconds;
+    return ms() <= 1e3 * options.most_seconds && !interrupted();
   };
   try {
     result.bsp = build_bsp(polygons, config);
@@ -187,6 +188,7 @@ int run_bsp(const BspOptions& options) {
   for (BspSplitter known{}; const std::string& splitter : options.splitters)
     if (!read_splitter(splitter, known))
       throw UsageError(fmt::format("--splitter: '{}' is not {}", splitter, bsp_splitter_names));
+  catch_interrupts();
   std::optional<OutputFile> file;
   if (!options.output.empty()) file.emplace(options.output);
   JsonOutput output(options.common);
@@ -206,13 +208,16 @@ int run_bsp(const BspOptions& options) {
                "nodes", "depth", "dropped", "build ms");
   Json json{{"schema", "sightline.bsp/1"}, {"scene", options.scene}, {"trees", Json::array()}};
   for (const std::string& splitter : splitters) {
+    if (interrupted()) break;
     const Result result = build(options, polygons, splitter);
     const Bsp& bsp = result.bsp;
     if (!result.complete) {
       if (print)
         fmt::print("{:<14} {:>10} given up after {:.1f} s with about {:.1f} % done ({})\n", splitter, polygons.size(),
                    1e-3 * result.ms, 100.0 * result.share,
-                   result.ms > 1e3 * options.most_seconds ? "--most-seconds" : "--most-fragments");
+                   interrupted()                            ? "interrupted"
+                   : result.ms > 1e3 * options.most_seconds ? "--most-seconds"
+                                                            : "--most-fragments");
       std::fflush(stdout);
       json["trees"].push_back({{"splitter", splitter}, {"polygons", polygons.size()}, {"complete", false}});
       continue;
@@ -241,7 +246,7 @@ int run_bsp(const BspOptions& options) {
     file.reset();
   }
   output.write(json);
-  return exit_ok;
+  return interrupted() ? exit_interrupted : exit_ok;
 }
 
 }  // namespace sightline::cli

@@ -7,6 +7,7 @@
 
 #include "camera.hpp"
 #include "faces_experiments.hpp"
+#include "interrupt.hpp"
 #include "json_output.hpp"
 #include "line_plot.hpp"
 #include "scene_argument.hpp"
@@ -182,6 +183,7 @@ int run_faces(const FacesOptions& options) {
   }
   for (const std::string& method : methods)
     as_usage([&] { (void)find_algorithm(parse_method(method).name, Family::face_culler); });
+  catch_interrupts();
   JsonOutput output(options.common);
   const LoadedScene loaded = open_scene(options.scene, options.common);
   const CameraPath path = open_path(options.path, options.camera, loaded.scene, options.common.seed);
@@ -189,14 +191,24 @@ int run_faces(const FacesOptions& options) {
   const Comparison comparison(indexed, path.views);
   const Totals& totals = comparison.totals();
   std::vector<Row> rows, sweep;
-  for (const std::string& method : methods) rows.push_back(as_usage([&] { return comparison.measure(method); }));
+  // Interrupted, it tells what has been measured.
+  constexpr int leaves[] = {8, 16, 32, 64, 128, 256, 512, 1024};
+  Progress progress("methods", methods.size() + std::size(leaves), options.common.quiet);
+  for (const std::string& method : methods) {
+    if (interrupted()) break;
+    rows.push_back(as_usage([&] { return comparison.measure(method); }));
+    progress.show(rows.size());
+  }
   const double in_view = totals.in_view / static_cast<double>(std::max<std::size_t>(path.views.size(), 1));
   std::vector<double> clusters;
-  for (const int leaf : {8, 16, 32, 64, 128, 256, 512, 1024}) {
+  for (const int leaf : leaves) {
+    if (interrupted()) break;
     sweep.push_back(comparison.measure(fmt::format("cluster_backface:leaf={}:cost=0.001", leaf)));
     clusters.push_back(std::max(1.0, in_view / leaf));
+    progress.show(rows.size() + sweep.size());
   }
-  const std::vector<FrameResult> frames = rotated_frames(loaded.scene, path.views);
+  const std::vector<FrameResult> frames =
+      interrupted() ? std::vector<FrameResult>() : rotated_frames(loaded.scene, path.views);
   const double cost = measured_cluster_cost();
   const double share = totals.in_view > 0.0 ? totals.back / totals.in_view : 0.0;
   Json json{{"schema", "sightline.faces/1"}, {"scene", options.scene},    {"frames", path.views.size()},
@@ -216,12 +228,17 @@ int run_faces(const FacesOptions& options) {
                totals.triangles[2]);
     fmt::print("{:.0f} triangles of solids in the frustum a frame, {:.1f} % turn their backs (17.07: about half)\n",
                in_view, 100.0 * share);
-    print_rows("method", rows, rows.front().ms);
-    print_rows("clusters of at most so many (19.17)", sweep, rows.front().ms);
+    const double baseline = rows.empty() ? 0.0 : rows.front().ms;
+    print_rows("method", rows, baseline);
+    print_rows("clusters of at most so many (19.17)", sweep, baseline);
     fmt::print("t_C / r measured: {}\n\n{:<46} {:>8} {:>20}\n", cost, "frame of the normals (19.09)", "found %",
                "of random eyes %");
     for (const FrameResult& frame : frames)
       fmt::print("{:<46} {:>8.1f} {:>20.1f}\n", frame.frame, 100.0 * frame.culled, 100.0 * frame.probability);
+  }
+  if (interrupted()) {
+    output.write(json);
+    return exit_interrupted;
   }
   if (!options.mask.empty()) write_picture(options.mask, encode_png(draw_mask(loaded.scene, path.views.front())));
   if (!options.volume.empty()) write_picture(options.volume, encode_png(draw_culling_volume(loaded.scene)));

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "camera.hpp"
+#include "interrupt.hpp"
 #include "json_output.hpp"
 #include "scene_argument.hpp"
 #include "sightline/index/tracer.hpp"
@@ -143,6 +144,7 @@ std::vector<const TracerKind*> chosen(const StructuresOptions& options) {
   return kinds;
 }
 
+/// Interrupted, it leaves those that were measured.
 std::vector<Row> compare(const std::vector<const TracerKind*>& kinds, const TriangleSoup& soup,
                          const std::vector<RaySet>& sets, bool quiet) {
   std::vector<Row> rows;
@@ -150,6 +152,7 @@ std::vector<Row> compare(const std::vector<const TracerKind*>& kinds, const Tria
   Progress progress("structures", kinds.size(), quiet);
   for (const TracerKind* kind : kinds) {
     progress.show(rows.size());
+    if (interrupted()) break;
     Row row;
     row.name = kind->name;
     const auto start = std::chrono::steady_clock::now();
@@ -238,6 +241,7 @@ std::string plot(const std::vector<Row>& rows, const std::vector<RaySet>& sets, 
 
 int run_structures(const StructuresOptions& options) {
   const std::vector<const TracerKind*> kinds = chosen(options);
+  catch_interrupts();
   std::optional<OutputFile> plot_file, cells_file, octree_file;
   if (!options.plot.empty()) plot_file.emplace(options.plot);
   if (!options.cells.empty()) cells_file.emplace(options.cells);
@@ -278,7 +282,7 @@ int run_structures(const StructuresOptions& options) {
         warn(fmt::format("{} gives other hits than {} for {} rays", row.name, rows[0].name, f.differ));
         return exit_missed;
       }
-  return exit_ok;
+  return interrupted() ? exit_interrupted : exit_ok;
 }
 
 }  // namespace sightline::cli

@@ -10,9 +10,8 @@ void add_structures(CLI::App& app, StructuresOptions& options) {
          "SCENE", options.scene,
          "a scene file, generate:KIND[:objects=N][:triangles=N][:seed=N], or example: the plane one of the slides")
       ->required();
-  app.add_option("--structure", options.methods, "which, separated by commas [all]")
-      ->type_name("NAMES")
-      ->delimiter(',');
+  add_text(app, "--structure", "NAME[,NAME]...", "which", "all",
+           [&options](const std::string& text) { options.methods = parse_names("--structure", text); });
   add_whole(app, "--rays", "rays of each kind", options.rays, 1, 100'000'000);
   add_output(app, "--plot", "write the figures as a picture, .svg", options.plot, ".svg");
   add_output(app, "--cells", "write quadtree and kd-tree seen from above, .svg", options.cells, ".svg");

@@ -2,7 +2,6 @@
 #include <fmt/format.h>
 
 #include <optional>
-#include <set>
 #include <string>
 
 #include "camera.hpp"
@@ -21,11 +20,8 @@ namespace {
 
 /// Unknown methods are told before a large scene is loaded.
 void check_methods(const WalkOptions& options) {
-  std::set<std::string> given;
-  for (const std::string& method : options.methods) {
+  for (const std::string& method : options.methods)
     as_usage([&] { (void)find_method(parse_method(method).name, Family::culler); });
-    if (!given.insert(method).second) throw UsageError(fmt::format("--method: '{}' is given twice", method));
-  }
 }
 
 WalkReport start_report(const WalkOptions& options, const Scene& scene) {

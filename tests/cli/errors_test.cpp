@@ -19,6 +19,10 @@ TEST_F(Errors, UsageOfVerbsAndMethods) {
   expect_complaint({"walk", scene, "--method", "frustum_linear:speed=9"}, 2, "speed");
   expect_complaint({"walk", scene, "--method", "frustum_linear,,none"}, 2, "--method");
   expect_complaint({"walk", scene, "--method", "none,none"}, 2, "twice");
+  expect_complaint({"compare", scene, "--methods", "all,none,none"}, 2, "twice");
+  expect_complaint({"faces", scene, "--method", "backface,normal_mask,backface"}, 2, "twice");
+  expect_complaint({"structures", scene, "--structure", "grid,grid"}, 2, "twice");
+  expect_complaint({"bsp", scene, "--splitter", "first,first"}, 2, "twice");
   expect_complaint({"render", scene, "--method", "frustum_linear", "-o", file("x.png")}, 2, "frustum_linear");
   expect_complaint({"generate", "town", "-o", file("x.glb")}, 2, "town");
   expect_complaint({"generate", "city"}, 2, "output");

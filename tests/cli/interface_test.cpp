@@ -154,6 +154,31 @@ TEST_F(Interface, InterruptKeepsTheFramesSoFar) {
   }
 }
 
+TEST_F(Interface, InterruptKeepsTheRowsSoFar) {
+  struct Long {
+    std::vector<std::string> arguments;
+    std::string begun;
+    const char* rows;
+  };
+  const Long verbs[] = {
+      {{"structures", "generate:city:objects=300", "--rays", "400000"}, "\"structures\",\"done\":1,", "structures"},
+      {{"faces", "generate:city:objects=3000", "--frames", "3000"}, "\"methods\",\"done\":1,", "rows"},
+      {{"bsp", "generate:city:objects=2000", "--splitter", "first,balance"}, "\"first\"", "trees"}};
+  for (const Long& verb : verbs) {
+    std::filesystem::remove(file("stderr"));
+    std::vector<std::string> arguments = verb.arguments;
+    arguments.insert(arguments.end(), {"--json", file("out.json"), "--progress", "json"});
+    const pid_t child = start(arguments);
+    const auto has_begun = [&] { return read_file(file("stderr")).find(verb.begun) != std::string::npos; };
+    for (int tries = 0; tries < 6000 && !has_begun(); ++tries)
+      std::this_thread::sleep_for(std::chrono::milliseconds(10));
+    ASSERT_TRUE(has_begun()) << verb.rows;
+    kill(child, SIGINT);
+    EXPECT_EQ(finish(child).code, 130) << verb.rows;
+    EXPECT_GE(Json::parse(read_file(file("out.json"))).at(verb.rows).size(), 1u);
+  }
+}
+
 TEST_F(Interface, InterruptLeavesNoHalfFile) {
   const pid_t child =
       start({"generate", "city", "--objects", "400000", "--triangles", "40000000", "-o", file("big.glb"), "--quiet"});

@@ -141,6 +141,8 @@ TEST(Occlusion, AThresholdInPixelsLosesWhatIsBarelyVisible) {
   EXPECT_EQ(make_culler("occlusion_hzb", indexed)->promise(row), row);
   EXPECT_EQ(make_culler("occlusion_masked", indexed)->promise(row), row);
   EXPECT_EQ(make_culler("occlusion_masked:resolution=1:centres=on", indexed)->promise(row), Promise::conservative);
+  EXPECT_EQ(make_culler("occlusion_virtual", indexed)->promise(Promise::approximate), Promise::approximate);
+  EXPECT_EQ(make_culler("occlusion_virtual:step=1", indexed)->promise(Promise::approximate), Promise::conservative);
   EXPECT_THROW(make_culler("occlusion_virtual:resolution=0.5", indexed), InputError);
 }
 

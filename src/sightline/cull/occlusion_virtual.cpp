@@ -60,6 +60,10 @@ class OcclusionVirtual final : public Culler {
     return true;
   }
 
+  [[nodiscard]] Promise promise(Promise of_row) const override {
+    return step_ == 1 && pixels_ == 0 ? Promise::conservative : of_row;
+  }
+
  private:
   /// How many samples of a box pass, counted until there are more than `enough`. Samples stand at fixed pixels of the
   /// image, as in the paper, so that neighbouring boxes agree; a rectangle that lies between them gets its own middle.

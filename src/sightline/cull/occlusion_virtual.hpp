@@ -1,6 +1,7 @@
 // The virtual occlusion buffer (Bartz, Meissner, Huettner 1999; checklist 5.19, 21.07): the box of an object is
 // sampled sparsely against the depth of what was drawn so far; if no sample passes, the object is dropped.
-// Promise: approximate, as what shows only between the samples is lost; every sample taken (step = 1): conservative.
+// Promise: approximate, as what shows only between the samples is lost; conservative where every sample is taken
+// (step = 1, pixels = 0).
 #pragma once
 
 #include <memory>
