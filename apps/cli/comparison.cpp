@@ -150,6 +150,7 @@ Json comparison_json(const Comparison& comparison) {
     json["methods"].push_back({{"method", row.method},
                                {"promise", row.promise},
                                {"verdict", row.verdict},
+                               {"broken", row.broken},
                                {"culled", row.culled},
                                {"found", row.found ? Json(*row.found) : Json(nullptr)},
                                {"missed", row.missed},

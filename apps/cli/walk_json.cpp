@@ -24,6 +24,7 @@ Json frame_json(const WalkView& view, const WalkAnswer& answer, bool ids) {
             {"visible", answer.visible},
             {"truth", or_null(view.truth)},
             {"missed", verified ? Json(answer.missed.size()) : Json(nullptr)},
+            {"unpromised", verified ? Json(answer.unpromised) : Json(nullptr)},
             {"missed_ids", verified ? Json(answer.missed) : Json(nullptr)},
             {"missed_samples", verified ? Json(answer.missed_samples) : Json(nullptr)},
             {"cull_ms", answer.cull_ms},

@@ -112,7 +112,7 @@ class Walker {
     frustum_culler_->cull(view, candidates_, frustum_, unused);
     facts.frustum = frustum_.count();
     for (std::size_t i = 0; i < contenders_.size(); ++i) cull(view, contenders_[i], report_.runs[i], answers[i]);
-    std::optional<Truth> truth, drawn;
+    std::optional<Truth> truth, centres, drawn;
     if (options_.verify) {
       const auto start = Clock::now();
       truth = walk_scene_.oracle().look(view, options_.samples);
@@ -123,6 +123,11 @@ class Walker {
       if (truth) {
         const Truth* const own = own_truth(*contenders_[i].culler, view, drawn);
         compare(own != nullptr ? *own : *truth, contenders_[i].visible, answers[i]);
+        if (own == nullptr && options_.samples > 1 && report_.runs[i].promise == Promise::conservative &&
+            !answers[i].missed.empty()) {
+          if (!centres) centres = walk_scene_.oracle().look(view);
+          answers[i].unpromised = answers[i].missed.size() - judge(*centres, contenders_[i].visible).missed.size();
+        }
       }
       if (with_state) answers[i].state = object_states(frustum_, contenders_[i].visible, truth ? &*truth : nullptr);
       report_.runs[i].answers.push_back(std::move(answers[i]));

@@ -18,11 +18,12 @@ void judge_run(const WalkReport& report, const WalkRun& run, WalkSummary& summar
     summary.verdict = "unverified";
     return;
   }
-  std::size_t visible = 0, truth = 0, missed = 0;
+  std::size_t visible = 0, truth = 0, missed = 0, unpromised = 0;
   for (std::size_t i = 0; i < run.answers.size(); ++i) {
     visible += run.answers[i].visible;
     truth += report.views[i].truth.value_or(0);
     missed += run.answers[i].missed.size();
+    unpromised += run.answers[i].unpromised;
   }
   summary.missed = missed;
   if (truth > 0) summary.overestimate = static_cast<double>(visible) / static_cast<double>(truth);
@@ -30,6 +31,8 @@ void judge_run(const WalkReport& report, const WalkRun& run, WalkSummary& summar
     summary.verdict = "ok";
   } else if (run.promise == Promise::approximate) {
     summary.verdict = fmt::format("approximate: {} missed", missed);
+  } else if (missed == unpromised) {
+    summary.verdict = fmt::format("ok at pixel centres: {} missed", missed);
   } else {
     summary.verdict = "missed";
     summary.broken_promise = true;
@@ -54,6 +57,11 @@ std::string lost_words(const WalkReport& report, const WalkRun& run) {
   return fmt::format(", {:.1f} of {:.0f} pixels lost a frame, at most {}",
                      static_cast<double>(lost) / static_cast<double>(std::max<std::size_t>(run.answers.size(), 1)),
                      samples, worst);
+}
+
+const char* missed_title(const WalkSummary& summary, const WalkRun& run) {
+  if (summary.broken_promise) return "MISSED";
+  return run.promise == Promise::approximate ? "approximate" : "ok at pixel centres";
 }
 
 std::string missed_words(const WalkReport& report, const WalkRun& run) {
@@ -113,7 +121,7 @@ std::string verdict_line(const WalkReport& report, const WalkRun& run) {
   if (summary.verdict == "unverified")
     line += fmt::format("unverified, {} frames", run.answers.size());
   else if (summary.missed.value_or(0) > 0)
-    line += fmt::format("{}: {}", summary.broken_promise ? "MISSED" : "approximate", missed_words(report, run));
+    line += fmt::format("{}: {}", missed_title(summary, run), missed_words(report, run));
   else
     line += fmt::format("ok: nothing visible was missed in {} frames", run.answers.size());
   if (summary.overestimate) line += fmt::format("; {:.2f} objects reported per object seen", *summary.overestimate);

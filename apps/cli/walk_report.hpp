@@ -29,6 +29,7 @@ struct WalkView {
 struct WalkAnswer {
   std::size_t visible = 0;                // objects reported
   std::vector<ObjectId> missed;           // seen but not reported, ascending
+  std::size_t unpromised = 0;             // of the missed: those that the method does not promise to find
   std::uint64_t missed_samples = 0;       // samples through which those are seen
   std::size_t extra = 0;                  // reported but not seen
   double cull_ms = 0.0;                   // cull() alone
@@ -81,7 +82,7 @@ struct WalkSummary {
   std::optional<double> cull_ms_median;
   std::optional<double> follow_ms_median;    // of frames in which objects moved
   std::optional<double> triangles_fraction;  // mean share of the scene's triangles that is submitted
-  std::string verdict;                       // "ok", "missed", "unverified", "approximate: N missed"
+  std::string verdict;  // "ok", "missed", "unverified", "approximate: N missed", "ok at pixel centres: N missed"
   /// True if a method that promises to miss nothing missed something.
   bool broken_promise = false;
 };

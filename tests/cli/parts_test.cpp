@@ -72,6 +72,15 @@ TEST(WalkVerdict, AnApproximationMayMiss) {
   EXPECT_EQ(exit_code(fixture.report), exit_ok);
 }
 
+TEST(WalkVerdict, WhatLiesBetweenPixelCentresIsNoBrokenPromise) {
+  Fixture fixture(Promise::conservative);
+  fixture.report.runs[0].answers[1].unpromised = 1;
+  EXPECT_EQ(summarise(fixture.report, fixture.report.runs[0]).verdict, "ok at pixel centres: 1 missed");
+  EXPECT_EQ(exit_code(fixture.report), exit_ok);
+  fixture.report.runs[0].answers[1].missed = {0, 1};
+  EXPECT_EQ(exit_code(fixture.report), exit_missed);
+}
+
 TEST(WalkVerdict, MissedWinsOverInterrupted) {
   Fixture fixture(Promise::exact);
   fixture.report.interrupted = true;

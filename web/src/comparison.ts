@@ -15,7 +15,7 @@ export function comparison(data: Comparison | null): HTMLElement | null {
 function table(methods: ComparedMethod[]): HTMLElement {
   const names = ['Method', 'Promise', 'Culled', 'Hidden found', 'Missed', 'False-visible', 'Lost pixels', 'Median time', 'Memory'];
   const rows = methods.map((row) => {
-    const broken = row.missed > 0 && row.promise !== 'approximate';
+    const broken = row.broken ?? (row.missed > 0 && row.promise !== 'approximate');
     return element('tr', { 'data-outcome': broken ? 'lost' : row.missed > 0 ? 'approximate' : 'clean' },
       element('th', { scope: 'row', title: counters(row) }, row.method), element('td', { class: 'said' }, row.promise),
       element('td', {}, percent(row.culled)), element('td', {}, percent(row.found)), element('td', {}, count(row.missed)),

@@ -12,6 +12,7 @@ export interface WalkFrame {
   visible: number;
   truth: number | null;
   missed: number | null;
+  unpromised?: number | null;  // of the missed: those that the method does not promise to find
   missed_ids?: number[] | null;
   cull_ms: number | null;
   truth_ms: number | null;
@@ -64,6 +65,7 @@ export interface ComparedMethod {
   culled: number;
   found: number | null;
   missed: number;
+  broken?: boolean;
   false_visible: number;
   lost_pixels: number;
   cull_ms_median: number;

@@ -49,8 +49,10 @@ export function verdict(run: Run, samples: number): Verdict {
   const was = objects.number === 1 ? 'was' : 'were';
   const what = objects.distinct ? `${count(objects.number)} ${plural(objects.number, 'object')} ${was} lost`
                                 : `Objects were lost ${count(objects.number)} times`;
-  const outcome = run.promise === 'approximate' ? 'approximate' : 'lost';
-  const excuse = outcome === 'approximate' ? ' The method is approximate: it promises no better.' : '';
+  const between = losing.every((frame) => frame.missed === frame.unpromised);
+  const outcome = run.promise === 'approximate' || between ? 'approximate' : 'lost';
+  const excuse = run.promise === 'approximate' ? ' The method is approximate: it promises no better.'
+               : between ? ' All of it lies between pixel centres; the method promises what is seen at them.' : '';
   if (losing.length === 1)
     return {
       outcome, worst: frames.indexOf(worst), sentence: `${what} in frame ${worst.frame}`,
