@@ -11,6 +11,10 @@ namespace sightline {
 namespace {
 
 constexpr int most_bins = 32;
+/// A split that leaves more than this share of twice its items, mostly triangles that lie on both sides, may be made
+/// so often on the way down: often the next one parts them.
+constexpr double bad_share = 0.7;
+constexpr int most_bad = 2;
 
 struct Plane1 {
   int axis = -1;
@@ -31,7 +35,7 @@ class Builder {
     const int limit = config_.max_depth > 0 ? config_.max_depth
                                             : 8 + static_cast<int>(1.3 * std::log2(static_cast<double>(soup_.size())));
     tree_.nodes.emplace_back();
-    Task root{tree_.bounds, 0, 0, {}};
+    Task root{tree_.bounds, 0, 0, 0, {}};
     root.items.resize(soup_.size());
     for (std::uint32_t i = 0; i < root.items.size(); ++i) root.items[i] = i;
     std::vector<Task> stack;
@@ -40,8 +44,8 @@ class Builder {
       Task task = std::move(stack.back());
       stack.pop_back();
       const Plane1 plane = task.depth < limit ? choose(task) : Plane1{};
-      Task low{task.cell, task.depth + 1, 0, {}}, high = low;
-      if (plane.axis < 0 || !part(task, plane, low, high)) {
+      Task low{task.cell, task.depth + 1, 0, task.bad, {}}, high = low;
+      if (plane.axis < 0 || !part(task, plane, low, high) || !worth(task, low, high)) {
         make_leaf(task);
         continue;
       }
@@ -64,6 +68,7 @@ class Builder {
     Aabb cell;
     int depth;
     std::uint32_t node;
+    int bad;  // splits above that gained little
     std::vector<std::uint32_t> items;
   };
 
@@ -170,6 +175,14 @@ class Builder {
       if (above) high.items.push_back(item);
     }
     return low.items.size() < task.items.size() || high.items.size() < task.items.size();
+  }
+
+  /// SAH weighs by itself what a split gains; the median needs to be told when to stop (E26).
+  bool worth(const Task& task, Task& low, Task& high) const {
+    if (config_.split != KdSplit::median) return true;
+    const auto left = static_cast<double>(low.items.size() + high.items.size());
+    if (left > 2.0 * bad_share * static_cast<double>(task.items.size())) low.bad = high.bad = task.bad + 1;
+    return low.bad <= most_bad;
   }
 
   const TriangleSoup& soup_;
