@@ -45,7 +45,7 @@ struct Corners {
 
 /// A ray in every lane, or one in all of them.
 struct ShearLanes {
-  Vec origin_x, origin_y, origin_z, shear_x, shear_y, scale_z, t_near, t_far, slack;
+  Vec origin_x, origin_y, origin_z, shear_x, shear_y, scale_z, t_near, t_far;
 };
 
 /// Lanes in which try_triangle may accept the triangle, and those in which it accepts it for certain.
@@ -71,22 +71,15 @@ HWY_INLINE Look look_at(const Corners& p, const ShearLanes& s) {
                            hn::Max(hn::Abs(cx), hn::Abs(cy)));
   const Vec bound = hn::MulAdd(hn::Mul(size, size), hn::Set(d, 0x1p-21f), hn::Set(d, 0x1p-120f));
   const Vec least = hn::Min(u, hn::Min(v, w)), most = hn::Max(u, hn::Max(v, w));
-  const auto crossed = hn::Or(hn::Ge(least, hn::Neg(bound)), hn::Le(most, bound));
-  const auto surely_crossed = hn::Or(hn::Gt(least, bound), hn::Lt(most, hn::Neg(bound)));
-  // t is the mean of the corners' parameters weighed by u, v and w: here it and the ends of the interval times the sum
-  // of the weights, as nothing is divided. The error bounds the rounding; the slack, what try_triangle may move t by.
+  // t lies between those of the corners, up to rounding.
   const Vec ta = hn::Mul(az, s.scale_z), tb = hn::Mul(bz, s.scale_z), tc = hn::Mul(cz, s.scale_z);
-  const Vec sum = hn::Add(u, hn::Add(v, w)), weight = hn::Abs(sum);
-  const Vec total = hn::MulAdd(u, ta, hn::MulAdd(v, tb, hn::Mul(w, tc)));
-  const Vec t = hn::Xor(total, hn::And(sum, hn::SignBit(d)));
-  const Vec farthest = hn::Max(hn::Abs(ta), hn::Max(hn::Abs(tb), hn::Abs(tc)));
-  const Vec error = hn::MulAdd(hn::Mul(bound, hn::Set(d, 8.0f)), farthest, hn::Set(d, 0x1p-120f));
-  const auto outside = hn::Or(hn::Lt(hn::Add(t, error), hn::Mul(weight, hn::Sub(s.t_near, s.slack))),
-                              hn::Gt(hn::Sub(t, error), hn::Mul(weight, hn::Add(s.t_far, s.slack))));
-  const auto finite = hn::Lt(hn::Abs(total), hn::Set(d, std::numeric_limits<float>::max()));
-  const auto surely_within = hn::And(hn::Gt(hn::Sub(t, error), hn::Mul(weight, hn::Add(s.t_near, s.slack))),
-                                     hn::Lt(hn::Add(t, error), hn::Mul(weight, hn::Sub(s.t_far, s.slack))));
-  return {bits_of(hn::AndNot(hn::And(outside, finite), crossed)), bits_of(hn::And(surely_crossed, surely_within))};
+  const Vec first = hn::Min(ta, hn::Min(tb, tc)), last = hn::Max(ta, hn::Max(tb, tc));
+  const Vec more = hn::Set(d, 1.0f + 0x1p-20f), less = hn::Set(d, 1.0f - 0x1p-20f);
+  const auto crossed = hn::Or(hn::Ge(least, hn::Neg(bound)), hn::Le(most, bound));
+  const auto within = hn::And(hn::Ge(hn::Mul(last, more), s.t_near), hn::Le(hn::Mul(first, less), s.t_far));
+  const auto surely_crossed = hn::Or(hn::Gt(least, bound), hn::Lt(most, hn::Neg(bound)));
+  const auto surely_within = hn::And(hn::Gt(hn::Mul(first, less), s.t_near), hn::Lt(hn::Mul(last, more), s.t_far));
+  return {bits_of(hn::And(crossed, within)), bits_of(hn::And(surely_crossed, surely_within))};
 }
 
 /// Leaf's triangles in memory.

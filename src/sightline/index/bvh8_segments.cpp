@@ -32,7 +32,6 @@ struct Packet {
     shear_x,
     shear_y,
     scale_z,
-    slack,
     rows
   };
   HWY_ALIGN float value[rows][lanes];
@@ -66,7 +65,6 @@ HWY_INLINE void add(Packet& p, const TraceRay& ray, const glm::vec3& corner, std
   p.value[Packet::shear_x][i] = ray.shear.shear_x;
   p.value[Packet::shear_y][i] = ray.shear.shear_y;
   p.value[Packet::scale_z][i] = ray.shear.scale_z;
-  p.value[Packet::slack][i] = (&ray.slack.x)[ray.shear.z];
 }
 
 /// Those of the rays in the mask that a triangle of the leaf stops.
@@ -109,9 +107,8 @@ struct Occluders {
 HWY_INLINE void walk_packet(const Bvh8& tree, Packet& p, Occluders& occluders) {
   const Float d;
   const auto row = [&](int r) HWY_ATTR { return hn::Load(d, p.value[r]); };
-  const ShearLanes shear{row(Packet::origin_x), row(Packet::origin_y), row(Packet::origin_z),
-                         row(Packet::shear_x),  row(Packet::shear_y),  row(Packet::scale_z),
-                         row(Packet::t_near),   row(Packet::t_far),    row(Packet::slack)};
+  const ShearLanes shear{row(Packet::origin_x), row(Packet::origin_y), row(Packet::origin_z), row(Packet::shear_x),
+                         row(Packet::shear_y),  row(Packet::scale_z),  row(Packet::t_near),   row(Packet::t_far)};
   std::uint32_t alive = lowest(p.count);
   for (std::size_t k = 0; k < occluders.count && alive != 0; ++k)
     alive &= ~stopped_by(tree, occluders.leaf[k], p, shear, alive);

@@ -106,7 +106,7 @@ HWY_INLINE bool try_leaf(const Bvh8& tree, std::uint32_t ref, const TraceRay& ra
   const Shear& s = ray.shear;
   const ShearLanes lanes_of_ray{hn::Set(d, s.origin_x), hn::Set(d, s.origin_y), hn::Set(d, s.origin_z),
                                 hn::Set(d, s.shear_x),  hn::Set(d, s.shear_y),  hn::Set(d, s.scale_z),
-                                hn::Set(d, ray.t_near), hn::Set(d, best.t),     hn::Set(d, (&ray.slack.x)[s.z])};
+                                hn::Set(d, ray.t_near), hn::Set(d, best.t)};
   bool found = false;
   for (std::size_t i = 0; i < leaf.k; i += lanes) {
     const auto load = [&](int corner, int axis) HWY_ATTR {
