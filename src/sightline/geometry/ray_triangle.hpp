@@ -36,8 +36,9 @@ inline void set_shear(Shear& s, const glm::vec3& origin, const glm::vec3& direct
   const glm::vec3 size = magnitudes(direction);
   const int middle = static_cast<int>(size.y > size.x), last = static_cast<int>(size.z > std::max(size.x, size.y));
   s.z = 2 * last | (middle & ~last);
-  s.x = s.z == 2 ? 0 : s.z + 1;
-  s.y = s.z == 0 ? 2 : s.z - 1;
+  // The axes after z, two bits for each z: a choice would be a branch.
+  s.x = (0b00'10'01 >> (2 * s.z)) & 3;
+  s.y = (0b01'00'10 >> (2 * s.z)) & 3;
   // By pointer: the vectors' own operator[] branches on the axis, which is different for every ray.
   const float *o = &origin.x, *d = &direction.x;
   s.origin_x = o[s.x];

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "sightline/geometry/aabb.hpp"
+#include "sightline/index/large_pages.hpp"
 
 namespace sightline {
 
@@ -20,7 +21,7 @@ struct BvhNode {
 
 struct Bvh {
   /// nodes[0] is the root; empty if there are no boxes. Children come after their parent.
-  std::vector<BvhNode> nodes;
+  PagedVector<BvhNode> nodes;
   /// Indices of the boxes, each exactly once; every subtree's items are contiguous.
   std::vector<std::uint32_t> items;
 };

@@ -9,13 +9,15 @@
 namespace sightline {
 namespace {
 
+constexpr std::uint32_t group_size = 128;
+
 class LinearBuilder {
  public:
   LinearBuilder(std::span<const Aabb> boxes, const BvhConfig& config) : boxes_(boxes), config_(config) {}
 
   Bvh build() {
     if (boxes_.empty()) return {};
-    MortonGroups groups = morton_groups(boxes_, 64);
+    MortonGroups groups = morton_groups(boxes_, group_size);
     keys_ = std::move(groups.keys);
     const Bvh top = build_bvh(groups.bounds, {.max_leaf_size = 1, .grouped = false});
     bvh_.nodes.reserve(boxes_.size());
@@ -66,6 +68,8 @@ class LinearBuilder {
   }
 
   void subtree(const Task& root) {
+    // Boxes are anywhere in memory.
+    for (std::uint32_t i = root.begin; i < root.end; ++i) __builtin_prefetch(&boxes_[box_of(keys_[i])]);
     stack_.assign(1, root);
     while (!stack_.empty()) {
       const Task task = stack_.back();
@@ -88,7 +92,7 @@ class LinearBuilder {
 
   std::span<const Aabb> boxes_;
   BvhConfig config_;
-  std::vector<MortonKey> keys_;
+  PagedVector<MortonKey> keys_;
   std::vector<Task> stack_;
   Bvh bvh_;
 };

@@ -23,7 +23,7 @@ constexpr std::array<std::uint32_t, 64> spread_table = [] {
 std::uint64_t spread(std::uint32_t v) { return std::uint64_t{spread_table[v >> 6]} << 18 | spread_table[v & 63]; }
 
 /// `cell`: metres that a cell of the finest codes is wide; infinity if all centres coincide.
-std::vector<MortonKey> morton_keys(std::span<const Aabb> boxes, float& cell) {
+PagedVector<MortonKey> morton_keys(std::span<const Aabb> boxes, float& cell) {
   glm::vec3 lo(std::numeric_limits<float>::infinity()), hi = -lo;
   for (const Aabb& box : boxes) {
     const glm::vec3 c = box.lo + box.hi;  // of an empty box NaN, which no comparison takes
@@ -37,7 +37,7 @@ std::vector<MortonKey> morton_keys(std::span<const Aabb> boxes, float& cell) {
   const float longest = std::max({hi.x - lo.x, hi.y - lo.y, hi.z - lo.z}), per_unit = cells / longest;
   const float scale = per_unit > 0.0f && per_unit < std::numeric_limits<float>::infinity() ? per_unit : 0.0f;
   cell = scale > 0.0f ? 0.5f / scale : std::numeric_limits<float>::infinity();  // the scale is that of twice the centre
-  std::vector<MortonKey> keys(boxes.size());
+  PagedVector<MortonKey> keys(boxes.size());
   for (std::size_t i = 0; i < boxes.size(); ++i) {
     const glm::vec3 place = (boxes[i].lo + boxes[i].hi - lo) * scale;
     std::uint32_t at[3];
@@ -51,7 +51,7 @@ std::vector<MortonKey> morton_keys(std::span<const Aabb> boxes, float& cell) {
 }
 
 /// By code, four passes of nine bits (least significant digit first: stable, so equal codes stay in order).
-void radix_sort(std::vector<MortonKey>& keys) {
+void radix_sort(PagedVector<MortonKey>& keys) {
   constexpr std::size_t digits = 4, radix = 1u << (code_bits / digits);
   std::vector<std::array<std::uint32_t, radix>> counts(digits);
   for (auto& c : counts) c.fill(0);
@@ -60,7 +60,7 @@ void radix_sort(std::vector<MortonKey>& keys) {
   };
   for (const MortonKey key : keys)
     for (std::size_t pass = 0; pass < digits; ++pass) ++counts[pass][digit(key, pass)];
-  std::vector<MortonKey> other(keys.size());
+  PagedVector<MortonKey> other(keys.size());
   for (std::size_t pass = 0; pass < digits; ++pass) {
     std::uint32_t sum = 0;
     for (std::uint32_t& c : counts[pass]) sum += std::exchange(c, sum);
@@ -124,7 +124,11 @@ MortonGroups morton_groups(std::span<const Aabb> boxes, std::uint32_t most) {
     groups.runs.push_back({begin, end});
     groups.bounds.push_back(bounds);
   };
+  constexpr std::uint32_t ahead = 64;  // boxes are anywhere in memory
+  const auto count = static_cast<std::uint32_t>(boxes.size());
   for (const MortonRun& run : morton_runs(groups.keys, most)) {
+    for (std::uint32_t i = run.begin + ahead; i < std::min(run.end + ahead, count); ++i)
+      __builtin_prefetch(&boxes[box_of(groups.keys[i])]);
     const float edge = cell * shared_edge(groups.keys, run);
     const auto first = groups.keys.begin();
     const auto fits = [&](MortonKey key) {

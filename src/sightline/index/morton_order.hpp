@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "sightline/geometry/aabb.hpp"
+#include "sightline/index/large_pages.hpp"
 
 namespace sightline {
 
@@ -27,7 +28,7 @@ std::uint32_t cut(std::span<const MortonKey> keys, MortonRun run);
 
 /// All boxes, group after group, and what bounds each group.
 struct MortonGroups {
-  std::vector<MortonKey> keys;
+  PagedVector<MortonKey> keys;
   std::vector<MortonRun> runs;
   std::vector<Aabb> bounds;  // of the runs; empty boxes do not count
 };

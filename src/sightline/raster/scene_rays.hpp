@@ -44,7 +44,7 @@ class SceneRays {
   };
   const Scene& scene_;
   std::vector<Face> faces_;  // in the order of the hierarchy's leaves
-  std::vector<BvhNode> nodes_;
+  PagedVector<BvhNode> nodes_;
 };
 
 }  // namespace sightline
