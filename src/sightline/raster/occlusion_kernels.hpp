@@ -90,7 +90,7 @@ struct Surface {
 /// What to draw: corners of triangles and ends of contour edges in pixels, as arrays that are reused.
 struct DrawList {
   std::vector<float> x[3], y[3], near[3];
-  std::vector<float> edge_x[2], edge_y[2];
+  std::vector<float> edge_x[2], edge_y[2], edge_near[2];
   std::vector<Run> runs;
   std::vector<Surface> surfaces;
   std::uint32_t triangles = 0, edges = 0;
@@ -106,8 +106,19 @@ struct Scratch {
   std::vector<std::int32_t> code, front, back, edges, clipped;
 };
 
+/// What a triangle that covers pixels of a tile in part, or a contour edge, is there: its nearness in each pixel is
+/// from max(low, least) to min(low + rise, most), where low = near + gradient_x x + gradient_y y at pixel (x, y) of the
+/// tile.
+struct Piece {
+  float near, gradient_x, gradient_y, least, rise, most;
+  std::uint16_t touched, covered;  // bit per lane: it touches the pixel; the triangle covers the centre
+  std::uint32_t next;              // place of the tile's next one
+};
+inline constexpr std::uint32_t no_piece = 0xFFFFFFFFu;
+
 /// Columns of tiles that one thread draws, and all that it writes but for the buffer itself. The layer gathers the
-/// pixels that several triangles of the current surface share; between surfaces it and what follows it are empty.
+/// pixels that several triangles of the current surface share, pieces do so in tiles with a contour; between surfaces
+/// all from the layer to `touched` is empty.
 struct Strip {
   struct Touched {
     std::uint32_t tile, place;
@@ -116,9 +127,10 @@ struct Strip {
   // By place, that is by tile of the strip.
   std::vector<TilePixels> layer;       // least nearness of the surface's triangles that touch the pixel; else +inf
   std::vector<std::uint16_t> covered;  // bit per lane: the centre is covered by one of those triangles
-  std::vector<std::uint16_t> contour;  // bit per lane: a contour edge of the surface touches the pixel
-  std::vector<std::uint8_t> listed;    // is in `touched`
-  std::vector<Touched> touched;        // tiles to commit after this surface
+  std::vector<std::uint32_t> triangles, edges;  // first pieces of the tile; the former only if there are the latter
+  std::vector<std::uint8_t> listed;             // is in `touched`
+  std::vector<Piece> pieces;
+  std::vector<Touched> touched;  // tiles to commit after this surface
   DrawList list;
   Scratch scratch;
   std::uint64_t triangles_filled = 0, tiles_filled = 0;
