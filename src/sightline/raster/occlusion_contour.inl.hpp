@@ -15,16 +15,18 @@
 HWY_BEFORE_NAMESPACE();
 namespace sightline::raster::HWY_NAMESPACE {
 
-/// Appends to a tile's list, of which `first` is the head.
-HWY_INLINE void add_piece(Strip& strip, std::uint32_t& first, Piece piece) {
-  piece.next = first;
-  first = static_cast<std::uint32_t>(strip.pieces.size());
-  strip.pieces.push_back(piece);
+/// Appends one to a tile's list, of which `first` is the head. Valid until the next is appended.
+HWY_INLINE Piece& add_piece(Strip& strip, std::uint32_t& first) {
+  const std::size_t at = strip.used_pieces++;
+  if (at == strip.pieces.size()) strip.pieces.resize(std::max<std::size_t>(256, 2 * at));
+  strip.pieces[at].next = first;
+  first = static_cast<std::uint32_t>(at);
+  return strip.pieces[at];
 }
 
-/// In pixels, with nearness.
+/// In pixels.
 struct Segment {
-  float x[2], y[2], near[2];
+  float x[2], y[2];
 };
 
 /// Calls visit(tile, place, x, y, bits) for every tile with pixels whose squares, widened by the margin, the segment
@@ -72,103 +74,105 @@ HWY_INLINE void for_touched(const Segment& s, const Run& run, const Tiles& tiles
         hit = hn::And(hit, hn::And(hn::Ge(cy, hn::Set(d, low_y - square)), hn::Le(cy, hn::Set(d, high_y + square))));
         bits |= bits_of(d, hit) << l;
       }
-      if (bits != 0) visit(tile, strip.place(row, column), x, y, static_cast<std::uint16_t>(bits));
+      if (bits != 0) visit(tile, strip.place(row, column), x, y, bits);
     }
   }
 }
 
 /// Enters the contour edges into the tiles' lists.
 HWY_INLINE void mark_contour(const DrawList& list, const Run& run, Tiles& tiles, Strip& strip) {
+  const Float d;
+  const auto infinite = hn::Set(d, std::numeric_limits<float>::infinity());
   const float reach = run.margins.square + run.margins.pixels;
   for (std::size_t e = run.first_edge; e < run.last_edge; ++e) {
-    const Segment s{{list.edge_x[0][e], list.edge_x[1][e]},
-                    {list.edge_y[0][e], list.edge_y[1][e]},
-                    {list.edge_near[0][e], list.edge_near[1][e]}};
-    const float size = std::max(std::abs(s.near[0]), std::abs(s.near[1]));
-    const float margin = size * run.margins.nearness_share + run.margins.nearness;
-    const float least = std::min(s.near[0], s.near[1]) - margin, most = std::max(s.near[0], s.near[1]) + margin;
+    const Segment s{{list.edge_x[0][e], list.edge_x[1][e]}, {list.edge_y[0][e], list.edge_y[1][e]}};
+    const float n0 = list.edge_near[0][e], n1 = list.edge_near[1][e];
+    const float margin = std::max(std::abs(n0), std::abs(n1)) * run.margins.nearness_share + run.margins.nearness;
+    const float least = std::min(n0, n1) - margin, most = std::max(n0, n1) + margin;
     const float ux = s.x[1] - s.x[0], uy = s.y[1] - s.y[0], squared = ux * ux + uy * uy;
-    const bool dot = !(squared > 1.0f);  // its gradient is noise
-    const float slope = dot ? 0.0f : (s.near[1] - s.near[0]) / squared;
+    const bool dot = !(squared > 1.0f);  // its slope is noise
+    const float slope = dot ? 0.0f : (n1 - n0) / squared;
     const float gx = ux * slope, gy = uy * slope;
     const float drop = reach * (std::abs(gx) + std::abs(gy)) + margin;
-    for_touched(s, run, tiles, strip,
-                [&](std::size_t tile, std::size_t place, float x, float y, std::uint16_t bits) SIGHTLINE_INLINE_LAMBDA {
-                  const float near = dot ? least : s.near[0] + (gx * (x - s.x[0]) + gy * (y - s.y[0])) - drop;
-                  add_piece(strip, strip.edges[place],
-                            {near, gx, gy, least, dot ? most - least : 2.0f * drop, most, bits, 0, no_piece});
-                  touch(strip, tile, place);
-                });
+    const float start = dot ? least : n0 - drop, rise = dot ? most - least : 2.0f * drop;
+    const auto enter = [&](std::size_t tile, std::size_t place, float x, float y,
+                           std::uint32_t bits) SIGHTLINE_INLINE_LAMBDA {
+      const auto near = hn::Set(d, start + (gx * (x - s.x[0]) + gy * (y - s.y[0])));
+      const bool first = strip.edges[place] == no_piece;
+      if (first) {
+        add_piece(strip, strip.edges[place]);
+        touch(strip, tile, place);
+      }
+      Piece& all = strip.pieces[strip.edges[place]];
+      for (std::size_t l = 0; l < tile_pixels; l += float_lanes()) {
+        const auto hit = lanes_of(bits, l);
+        const auto line = hn::Add(near, hn::Add(hn::Mul(hn::Set(d, gx), hn::Load(d, lane_x + l)),
+                                                hn::Mul(hn::Set(d, gy), hn::Load(d, lane_y + l))));
+        auto low = hn::IfThenElse(hit, hn::Max(line, hn::Set(d, least)), infinite);
+        auto high = hn::IfThenElse(hit, hn::Min(hn::Add(line, hn::Set(d, rise)), hn::Set(d, most)), hn::Neg(infinite));
+        if (!first) {
+          low = hn::Min(low, hn::Load(d, all.low + l));
+          high = hn::Max(high, hn::Load(d, all.high + l));
+        }
+        hn::Store(low, d, all.low + l);
+        hn::Store(high, d, all.high + l);
+      }
+    };
+    for_touched(s, run, tiles, strip, enter);
   }
 }
 
 /// A triangle seen along its plane covers nothing, but joins nearnesses that no other triangle may join.
 HWY_INLINE void mark_flat(const DrawList& list, std::size_t t, float least, float most, const Run& run, Tiles& tiles,
                           Strip& strip) {
+  const Float d;
+  const auto infinite = hn::Set(d, std::numeric_limits<float>::infinity());
+  const auto enter = [&](std::size_t, std::size_t place, float, float, std::uint32_t bits) SIGHTLINE_INLINE_LAMBDA {
+    if (strip.edges[place] == no_piece) return;
+    Piece& piece = add_piece(strip, strip.triangles[place]);
+    piece.covered = 0;
+    for (std::size_t l = 0; l < tile_pixels; l += float_lanes()) {
+      const auto hit = lanes_of(bits, l);
+      hn::Store(hn::IfThenElse(hit, hn::Set(d, least), infinite), d, piece.low + l);
+      hn::Store(hn::IfThenElse(hit, hn::Set(d, most), infinite), d, piece.high + l);
+    }
+  };
   for (std::size_t i = 0; i < 3; ++i) {
     const std::size_t k = (i + 1) % 3;
-    const Segment s{{list.x[i][t], list.x[k][t]}, {list.y[i][t], list.y[k][t]}, {least, most}};
-    for_touched(s, run, tiles, strip,
-                [&](std::size_t, std::size_t place, float, float, std::uint16_t bits) SIGHTLINE_INLINE_LAMBDA {
-                  if (strip.edges[place] != no_piece)
-                    add_piece(strip, strip.triangles[place],
-                              {least, 0.0f, 0.0f, least, most - least, most, bits, 0, no_piece});
-                });
+    for_touched({{list.x[i][t], list.x[k][t]}, {list.y[i][t], list.y[k][t]}}, run, tiles, strip, enter);
   }
 }
 
-/// Lanes from l on of a piece: where it is, and from which nearness to which.
-struct PieceLanes {
-  hn::Mask<Float> touched;
-  hn::Vec<Float> low, high;
-  HWY_INLINE PieceLanes(const Piece& p, std::size_t l) {
-    const Float d;
-    const auto step = hn::Add(hn::Mul(hn::Set(d, p.gradient_x), hn::Load(d, lane_x + l)),
-                              hn::Mul(hn::Set(d, p.gradient_y), hn::Load(d, lane_y + l)));
-    const auto at = hn::Add(hn::Set(d, p.near), step);
-    touched = lanes_of(p.touched, l);
-    low = hn::Max(at, hn::Set(d, p.least));
-    high = hn::Min(hn::Add(at, hn::Set(d, p.rise)), hn::Set(d, p.most));
-  }
-};
-
-/// The nearness that a tile's pieces prove in lanes from l on; -inf where none.
-HWY_INLINE hn::Vec<Float> proven_by_pieces(const Strip& strip, std::size_t place, std::size_t l) {
+/// The nearness that a tile's pieces prove in lanes from l on, where asked; -inf where none.
+HWY_INLINE hn::Vec<Float> proven_by_pieces(const Strip& strip, std::size_t place, std::size_t l,
+                                           hn::Mask<Float> asked) {
   const Float d;
   const auto none = hn::Set(d, nothing_near), infinite = hn::Neg(none);
-  const auto pieces = [&](std::uint32_t first, const auto& visit) SIGHTLINE_INLINE_LAMBDA {
-    for (std::uint32_t i = first; i != no_piece; i = strip.pieces[i].next) visit(strip.pieces[i]);
-  };
-  // Levels before and behind all edges, moved until no triangle reaches across.
-  auto before = none, behind = infinite;
-  pieces(strip.edges[place], [&](const Piece& p) SIGHTLINE_INLINE_LAMBDA {
-    const PieceLanes edge(p, l);
-    before = hn::Max(before, hn::IfThenElse(edge.touched, edge.high, none));
-    behind = hn::Min(behind, hn::IfThenElse(edge.touched, edge.low, infinite));
-  });
-  for (bool moved = true; moved;) {
-    moved = false;
-    pieces(strip.triangles[place], [&](const Piece& p) SIGHTLINE_INLINE_LAMBDA {
-      const PieceLanes t(p, l);
-      const auto across_before = hn::And(t.touched, hn::And(hn::Le(t.low, before), hn::Gt(t.high, before)));
-      const auto across_behind = hn::And(t.touched, hn::And(hn::Ge(t.high, behind), hn::Lt(t.low, behind)));
-      before = hn::IfThenElse(across_before, t.high, before);
-      behind = hn::IfThenElse(across_behind, t.low, behind);
-      moved = moved || !hn::AllFalse(d, hn::Or(across_before, across_behind));
-    });
+  const Piece* pieces = strip.pieces.data();
+  // Levels before and behind all edges.
+  const Piece& edges = pieces[strip.edges[place]];
+  auto before = hn::Load(d, edges.high + l), behind = hn::Load(d, edges.low + l);
+  // What the triangles before and behind them prove; all again if one reaches across, for it moves the level.
+  for (;;) {
+    auto near = infinite, far = infinite, near_covered = none, far_covered = none;
+    auto moved = hn::Lt(none, none);
+    for (std::uint32_t i = strip.triangles[place]; i != no_piece; i = pieces[i].next) {
+      const auto low = hn::Load(d, pieces[i].low + l), high = hn::Load(d, pieces[i].high + l);
+      const auto covered = lanes_of(pieces[i].covered, l);
+      const auto in_near = hn::Gt(low, before), in_far = hn::Lt(high, behind);
+      const auto across_before = hn::AndNot(in_near, hn::Gt(high, before));
+      const auto across_behind = hn::AndNot(in_far, hn::Lt(low, behind));
+      before = hn::IfThenElse(across_before, high, before);
+      behind = hn::IfThenElse(across_behind, low, behind);
+      moved = hn::Or(moved, hn::Or(across_before, across_behind));
+      near = hn::IfThenElse(in_near, hn::Min(near, low), near);
+      far = hn::IfThenElse(in_far, hn::Min(far, low), far);
+      near_covered = hn::IfThenElse(hn::And(in_near, covered), infinite, near_covered);
+      far_covered = hn::IfThenElse(hn::And(in_far, covered), infinite, far_covered);
+    }
+    if (hn::AllFalse(d, hn::And(moved, asked)))
+      return hn::IfThenElse(asked, hn::Max(hn::Min(near, near_covered), hn::Min(far, far_covered)), none);
   }
-  auto near = infinite, far = infinite;
-  std::uint32_t near_covered = 0, far_covered = 0;
-  pieces(strip.triangles[place], [&](const Piece& p) SIGHTLINE_INLINE_LAMBDA {
-    const PieceLanes t(p, l);
-    const auto in_near = hn::And(t.touched, hn::Gt(t.low, before)), in_far = hn::And(t.touched, hn::Lt(t.high, behind));
-    near = hn::IfThenElse(in_near, hn::Min(near, t.low), near);
-    far = hn::IfThenElse(in_far, hn::Min(far, t.low), far);
-    near_covered |= bits_of(d, in_near) & (p.covered >> l);
-    far_covered |= bits_of(d, in_far) & (p.covered >> l);
-  });
-  return hn::Max(hn::IfThenElse(lanes_of(near_covered, 0), near, none),
-                 hn::IfThenElse(lanes_of(far_covered, 0), far, none));
 }
 
 /// Ends a surface: what its layer and its pieces prove goes into `hidden`.
@@ -176,20 +180,22 @@ HWY_INLINE void commit(Tiles& tiles, Strip& strip) {
   const Float d;
   const auto none = hn::Set(d, nothing_near), infinite = hn::Neg(none);
   for (const auto [tile, place] : strip.touched) {
-    auto farthest = infinite;
+    const std::uint32_t covered = strip.covered[place];
     const bool has_contour = strip.edges[place] != no_piece;
+    auto farthest = infinite;
     for (std::size_t l = 0; l < tile_pixels; l += float_lanes()) {
-      float* layer = strip.layer[place].lane + l;
       float* hidden = tiles.hidden[tile].lane + l;
-      auto proven = none;
-      if (has_contour) {
-        proven = proven_by_pieces(strip, place, l);
-      } else {
-        proven = hn::IfThenElse(lanes_of(strip.covered[place], l), hn::Load(d, layer), none);
+      auto now = hn::Load(d, hidden);
+      if (!has_contour) {
+        float* layer = strip.layer[place].lane + l;
+        const auto proven = hn::IfThenElse(lanes_of(covered, l), hn::Load(d, layer), none);
         hn::Store(infinite, d, layer);
+        now = hn::Max(now, proven);
+        hn::Store(now, d, hidden);
+      } else if (const auto asked = lanes_of(covered, l); !hn::AllFalse(d, asked)) {
+        now = hn::Max(now, proven_by_pieces(strip, place, l, asked));
+        hn::Store(now, d, hidden);
       }
-      const auto now = hn::Max(hn::Load(d, hidden), proven);
-      hn::Store(now, d, hidden);
       farthest = hn::Min(farthest, now);
     }
     tiles.farthest[tile] = hn::GetLane(hn::MinOfLanes(d, farthest));
@@ -198,7 +204,7 @@ HWY_INLINE void commit(Tiles& tiles, Strip& strip) {
     strip.listed[place] = 0;
   }
   strip.touched.clear();
-  strip.pieces.clear();
+  strip.used_pieces = 0;
 }
 
 }  // namespace sightline::raster::HWY_NAMESPACE

@@ -106,13 +106,13 @@ struct Scratch {
   std::vector<std::int32_t> code, front, back, edges, clipped;
 };
 
-/// What a triangle that covers pixels of a tile in part, or a contour edge, is there: its nearness in each pixel is
-/// from max(low, least) to min(low + rise, most), where low = near + gradient_x x + gradient_y y at pixel (x, y) of the
-/// tile.
-struct Piece {
-  float near, gradient_x, gradient_y, least, rise, most;
-  std::uint16_t touched, covered;  // bit per lane: it touches the pixel; the triangle covers the centre
-  std::uint32_t next;              // place of the tile's next one
+/// What a triangle that covers pixels of a tile in part, or all contour edges there are: the least and the largest
+/// nearness that it can have in each pixel. Where it does not touch, both are +inf for a triangle, and +inf and -inf
+/// for an edge.
+struct alignas(64) Piece {
+  float low[tile_pixels], high[tile_pixels];
+  std::uint32_t covered;  // bit per lane: the triangle covers the centre
+  std::uint32_t next;     // place of the tile's next one
 };
 inline constexpr std::uint32_t no_piece = 0xFFFFFFFFu;
 
@@ -125,11 +125,14 @@ struct Strip {
   };
   int first_column = 0, last_column = -1;  // inclusive
   // By place, that is by tile of the strip.
-  std::vector<TilePixels> layer;       // least nearness of the surface's triangles that touch the pixel; else +inf
-  std::vector<std::uint16_t> covered;  // bit per lane: the centre is covered by one of those triangles
+  std::vector<TilePixels> layer;  // least nearness of the surface's triangles that touch the pixel; else +inf
+  /// Bit per lane: the centre is covered by one of those triangles; in tiles with a contour, by one that is nearer than
+  /// what is hidden already.
+  std::vector<std::uint16_t> covered;
   std::vector<std::uint32_t> triangles, edges;  // first pieces of the tile; the former only if there are the latter
   std::vector<std::uint8_t> listed;             // is in `touched`
   std::vector<Piece> pieces;
+  std::size_t used_pieces = 0;
   std::vector<Touched> touched;  // tiles to commit after this surface
   DrawList list;
   Scratch scratch;

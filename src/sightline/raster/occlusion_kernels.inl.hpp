@@ -155,30 +155,35 @@ class TriangleFill {
     const std::size_t place = strip_.place(row, column);
     const bool has_contour = strip_.edges[place] != no_piece;
     float* layer = strip_.layer[place].lane;
-    std::uint32_t covered = 0, touched = 0;
+    Piece* piece = has_contour ? &add_piece(strip_, strip_.triangles[place]) : nullptr;
+    const auto none = hn::Set(d, std::numeric_limits<float>::infinity());
+    const float* hidden = tiles_.hidden[tile].lane;
+    std::uint32_t covered = 0, promising = 0;
     const auto limit = [&](float value) SIGHTLINE_INLINE_LAMBDA { return hn::Set(d, value); };
     const auto left = limit(box_low_x_ - x), right = limit(box_high_x_ - x), top = limit(box_low_y_ - y),
                bottom = limit(box_high_y_ - y);
     for (std::size_t l = 0; l < tile_pixels; l += float_lanes()) {
       const auto here = hn::Load(d, inside + l);
       const auto shared = hn::AndNot(hn::Ge(here, all_inside), hn::Ge(here, outside));
-      if (has_contour) {
-        touched |= bits_of(d, shared) << l;
+      const auto plane = hn::Add(near_here, hn::Load(d, near_step_ + l));
+      const auto low = hn::IfThenElse(shared, hn::Max(plane, least), none);
+      if (piece != nullptr) {
+        const auto high = hn::Min(hn::Add(plane, hn::Set(d, rise_)), hn::Set(d, most_));
+        hn::Store(low, d, piece->low + l);
+        hn::Store(hn::IfThenElse(shared, high, none), d, piece->high + l);
       } else {
-        const auto gathered = hn::Load(d, layer + l);
-        hn::Store(hn::IfThenElse(shared, hn::Min(gathered, near_of(l)), gathered), d, layer + l);
+        hn::Store(hn::Min(hn::Load(d, layer + l), low), d, layer + l);
       }
       const auto px = hn::Load(d, lane_x + l), py = hn::Load(d, lane_y + l);
       const auto in_box =
           hn::And(hn::And(hn::Ge(px, left), hn::Le(px, right)), hn::And(hn::Ge(py, top), hn::Le(py, bottom)));
       const auto centre = hn::And(hn::And(shared, hn::Ge(here, hn::Set(d, -edge_slack))), in_box);
       covered |= bits_of(d, centre) << l;
+      if (piece != nullptr) promising |= bits_of(d, hn::And(centre, hn::Gt(low, hn::Load(d, hidden + l)))) << l;
     }
-    if (has_contour) {
-      add_piece(strip_, strip_.triangles[place],
-                {near0, gradient_x_, gradient_y_, least_, rise_, most_, static_cast<std::uint16_t>(touched),
-                 static_cast<std::uint16_t>(covered), no_piece});
-      return;
+    if (piece != nullptr) {
+      piece->covered = covered;
+      covered = promising;
     }
     strip_.covered[place] = static_cast<std::uint16_t>(strip_.covered[place] | covered);
     touch(strip_, tile, place);

@@ -41,10 +41,14 @@ HWY_INLINE std::uint32_t bits_of(Float d, Mask mask) {
   return bytes[0] | (static_cast<std::uint32_t>(bytes[1]) << 8);
 }
 
+HWY_ALIGN inline constexpr std::int32_t lane_bit[tile_pixels] = {1 << 0,  1 << 1,  1 << 2,  1 << 3, 1 << 4,  1 << 5,
+                                                                 1 << 6,  1 << 7,  1 << 8,  1 << 9, 1 << 10, 1 << 11,
+                                                                 1 << 12, 1 << 13, 1 << 14, 1 << 15};
+
 /// The lanes whose bits from bit l on are set.
 HWY_INLINE hn::Mask<Float> lanes_of(std::uint32_t bits, std::size_t l) {
-  std::uint8_t bytes[8] = {static_cast<std::uint8_t>(bits >> l), static_cast<std::uint8_t>(bits >> l >> 8)};
-  return hn::LoadMaskBits(Float(), bytes);
+  const Int di;
+  return hn::RebindMask(Float(), hn::TestBit(hn::Set(di, static_cast<std::int32_t>(bits)), hn::Load(di, lane_bit + l)));
 }
 
 /// What 16 triangles need in the tile loop.
