@@ -15,13 +15,19 @@
 HWY_BEFORE_NAMESPACE();
 namespace sightline::raster::HWY_NAMESPACE {
 
-/// Appends one to a tile's list, of which `first` is the head. Valid until the next is appended.
+/// Appends one to a list that keeps its memory, and sets `at` to its place. Valid until the next is appended.
+template <class T>
+HWY_INLINE T& append(std::vector<T>& list, std::size_t& used, std::uint32_t& at) {
+  if (used == list.size()) list.resize(std::max<std::size_t>(256, 2 * used));
+  at = static_cast<std::uint32_t>(used++);
+  return list[at];
+}
+
 HWY_INLINE Piece& add_piece(Strip& strip, std::uint32_t& first) {
-  const std::size_t at = strip.used_pieces++;
-  if (at == strip.pieces.size()) strip.pieces.resize(std::max<std::size_t>(256, 2 * at));
-  strip.pieces[at].next = first;
-  first = static_cast<std::uint32_t>(at);
-  return strip.pieces[at];
+  const std::uint32_t next = first;
+  Piece& piece = append(strip.pieces, strip.used_pieces, first);
+  piece.next = next;
+  return piece;
 }
 
 /// In pixels.
@@ -98,12 +104,9 @@ HWY_INLINE void mark_contour(const DrawList& list, const Run& run, Tiles& tiles,
     const auto enter = [&](std::size_t tile, std::size_t place, float x, float y,
                            std::uint32_t bits) SIGHTLINE_INLINE_LAMBDA {
       const auto near = hn::Set(d, start + (gx * (x - s.x[0]) + gy * (y - s.y[0])));
-      const bool first = strip.edges[place] == no_piece;
-      if (first) {
-        add_piece(strip, strip.edges[place]);
-        touch(strip, tile, place);
-      }
-      Piece& all = strip.pieces[strip.edges[place]];
+      const bool first = strip.rim[place] == no_piece;
+      if (first) touch(strip, tile, place);
+      Rim& rim = first ? append(strip.rims, strip.used_rims, strip.rim[place]) : strip.rims[strip.rim[place]];
       for (std::size_t l = 0; l < tile_pixels; l += float_lanes()) {
         const auto hit = lanes_of(bits, l);
         const auto line = hn::Add(near, hn::Add(hn::Mul(hn::Set(d, gx), hn::Load(d, lane_x + l)),
@@ -111,11 +114,11 @@ HWY_INLINE void mark_contour(const DrawList& list, const Run& run, Tiles& tiles,
         auto low = hn::IfThenElse(hit, hn::Max(line, hn::Set(d, least)), infinite);
         auto high = hn::IfThenElse(hit, hn::Min(hn::Add(line, hn::Set(d, rise)), hn::Set(d, most)), hn::Neg(infinite));
         if (!first) {
-          low = hn::Min(low, hn::Load(d, all.low + l));
-          high = hn::Max(high, hn::Load(d, all.high + l));
+          low = hn::Min(low, hn::Load(d, rim.low + l));
+          high = hn::Max(high, hn::Load(d, rim.high + l));
         }
-        hn::Store(low, d, all.low + l);
-        hn::Store(high, d, all.high + l);
+        hn::Store(low, d, rim.low + l);
+        hn::Store(high, d, rim.high + l);
       }
     };
     for_touched(s, run, tiles, strip, enter);
@@ -128,14 +131,14 @@ HWY_INLINE void mark_flat(const DrawList& list, std::size_t t, float least, floa
   const Float d;
   const auto infinite = hn::Set(d, std::numeric_limits<float>::infinity());
   const auto enter = [&](std::size_t, std::size_t place, float, float, std::uint32_t bits) SIGHTLINE_INLINE_LAMBDA {
-    if (strip.edges[place] == no_piece) return;
-    Piece& piece = add_piece(strip, strip.triangles[place]);
+    if (strip.rim[place] == no_piece) return;
+    Piece& piece = add_piece(strip, strip.piece[place]);
+    piece.least = least;
+    piece.rise = most - least;
+    piece.most = most;
     piece.covered = 0;
-    for (std::size_t l = 0; l < tile_pixels; l += float_lanes()) {
-      const auto hit = lanes_of(bits, l);
-      hn::Store(hn::IfThenElse(hit, hn::Set(d, least), infinite), d, piece.low + l);
-      hn::Store(hn::IfThenElse(hit, hn::Set(d, most), infinite), d, piece.high + l);
-    }
+    for (std::size_t l = 0; l < tile_pixels; l += float_lanes())
+      hn::Store(hn::IfThenElse(lanes_of(bits, l), hn::Set(d, least), infinite), d, piece.plane + l);
   };
   for (std::size_t i = 0; i < 3; ++i) {
     const std::size_t k = (i + 1) % 3;
@@ -150,14 +153,16 @@ HWY_INLINE hn::Vec<Float> proven_by_pieces(const Strip& strip, std::size_t place
   const auto none = hn::Set(d, nothing_near), infinite = hn::Neg(none);
   const Piece* pieces = strip.pieces.data();
   // Levels before and behind all edges.
-  const Piece& edges = pieces[strip.edges[place]];
-  auto before = hn::Load(d, edges.high + l), behind = hn::Load(d, edges.low + l);
+  const Rim& rim = strip.rims[strip.rim[place]];
+  auto before = hn::Load(d, rim.high + l), behind = hn::Load(d, rim.low + l);
   // What the triangles before and behind them prove; all again if one reaches across, for it moves the level.
   for (;;) {
     auto near = infinite, far = infinite, near_covered = none, far_covered = none;
     auto moved = hn::Lt(none, none);
-    for (std::uint32_t i = strip.triangles[place]; i != no_piece; i = pieces[i].next) {
-      const auto low = hn::Load(d, pieces[i].low + l), high = hn::Load(d, pieces[i].high + l);
+    for (std::uint32_t i = strip.piece[place]; i != no_piece; i = pieces[i].next) {
+      const auto plane = hn::Load(d, pieces[i].plane + l);
+      const auto low = hn::Max(plane, hn::Set(d, pieces[i].least));
+      const auto high = hn::Min(hn::Add(plane, hn::Set(d, pieces[i].rise)), hn::Set(d, pieces[i].most));
       const auto covered = lanes_of(pieces[i].covered, l);
       const auto in_near = hn::Gt(low, before), in_far = hn::Lt(high, behind);
       const auto across_before = hn::AndNot(in_near, hn::Gt(high, before));
@@ -170,6 +175,8 @@ HWY_INLINE hn::Vec<Float> proven_by_pieces(const Strip& strip, std::size_t place
       near_covered = hn::IfThenElse(hn::And(in_near, covered), infinite, near_covered);
       far_covered = hn::IfThenElse(hn::And(in_far, covered), infinite, far_covered);
     }
+    // Levels only move apart: a centre that is covered neither before nor behind them never will be.
+    asked = hn::And(asked, hn::Gt(hn::Max(near_covered, far_covered), none));
     if (hn::AllFalse(d, hn::And(moved, asked)))
       return hn::IfThenElse(asked, hn::Max(hn::Min(near, near_covered), hn::Min(far, far_covered)), none);
   }
@@ -181,7 +188,7 @@ HWY_INLINE void commit(Tiles& tiles, Strip& strip) {
   const auto none = hn::Set(d, nothing_near), infinite = hn::Neg(none);
   for (const auto [tile, place] : strip.touched) {
     const std::uint32_t covered = strip.covered[place];
-    const bool has_contour = strip.edges[place] != no_piece;
+    const bool has_contour = strip.rim[place] != no_piece;
     auto farthest = infinite;
     for (std::size_t l = 0; l < tile_pixels; l += float_lanes()) {
       float* hidden = tiles.hidden[tile].lane + l;
@@ -200,11 +207,11 @@ HWY_INLINE void commit(Tiles& tiles, Strip& strip) {
     }
     tiles.farthest[tile] = hn::GetLane(hn::MinOfLanes(d, farthest));
     strip.covered[place] = 0;
-    strip.triangles[place] = strip.edges[place] = no_piece;
+    strip.rim[place] = strip.piece[place] = no_piece;
     strip.listed[place] = 0;
   }
   strip.touched.clear();
-  strip.used_pieces = 0;
+  strip.used_pieces = strip.used_rims = 0;
 }
 
 }  // namespace sightline::raster::HWY_NAMESPACE

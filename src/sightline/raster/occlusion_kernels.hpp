@@ -106,15 +106,19 @@ struct Scratch {
   std::vector<std::int32_t> code, front, back, edges, clipped;
 };
 
-/// What a triangle that covers pixels of a tile in part, or all contour edges there are: the least and the largest
-/// nearness that it can have in each pixel. Where it does not touch, both are +inf for a triangle, and +inf and -inf
-/// for an edge.
+/// What a triangle that covers pixels of a tile in part is there: its nearness in a pixel is from max(plane, least) to
+/// min(plane + rise, most).
 struct alignas(64) Piece {
-  float low[tile_pixels], high[tile_pixels];
-  std::uint32_t covered;  // bit per lane: the triangle covers the centre
+  float plane[tile_pixels];  // +inf where it does not touch the pixel
+  float least, rise, most;
+  std::uint32_t covered;  // bit per lane: it covers the centre
   std::uint32_t next;     // place of the tile's next one
 };
-inline constexpr std::uint32_t no_piece = 0xFFFFFFFFu;
+/// The least and the largest nearness of all contour edges in each pixel of a tile; +inf and -inf where there are none.
+struct alignas(64) Rim {
+  float low[tile_pixels], high[tile_pixels];
+};
+inline constexpr std::uint32_t no_piece = 0xFFFFFFFFu;  // and no rim
 
 /// Columns of tiles that one thread draws, and all that it writes but for the buffer itself. The layer gathers the
 /// pixels that several triangles of the current surface share, pieces do so in tiles with a contour; between surfaces
@@ -129,10 +133,11 @@ struct Strip {
   /// Bit per lane: the centre is covered by one of those triangles; in tiles with a contour, by one that is nearer than
   /// what is hidden already.
   std::vector<std::uint16_t> covered;
-  std::vector<std::uint32_t> triangles, edges;  // first pieces of the tile; the former only if there are the latter
-  std::vector<std::uint8_t> listed;             // is in `touched`
+  std::vector<std::uint32_t> rim, piece;  // of the tile, the latter the first one; no piece without a rim
+  std::vector<std::uint8_t> listed;       // is in `touched`
   std::vector<Piece> pieces;
-  std::size_t used_pieces = 0;
+  std::vector<Rim> rims;
+  std::size_t used_pieces = 0, used_rims = 0;
   std::vector<Touched> touched;  // tiles to commit after this surface
   DrawList list;
   Scratch scratch;

@@ -153,9 +153,9 @@ class TriangleFill {
     }
     // Pixels that this triangle covers in part.
     const std::size_t place = strip_.place(row, column);
-    const bool has_contour = strip_.edges[place] != no_piece;
+    const bool has_contour = strip_.rim[place] != no_piece;
     float* layer = strip_.layer[place].lane;
-    Piece* piece = has_contour ? &add_piece(strip_, strip_.triangles[place]) : nullptr;
+    Piece* piece = has_contour ? &add_piece(strip_, strip_.piece[place]) : nullptr;
     const auto none = hn::Set(d, std::numeric_limits<float>::infinity());
     const float* hidden = tiles_.hidden[tile].lane;
     std::uint32_t covered = 0, promising = 0;
@@ -166,14 +166,11 @@ class TriangleFill {
       const auto here = hn::Load(d, inside + l);
       const auto shared = hn::AndNot(hn::Ge(here, all_inside), hn::Ge(here, outside));
       const auto plane = hn::Add(near_here, hn::Load(d, near_step_ + l));
-      const auto low = hn::IfThenElse(shared, hn::Max(plane, least), none);
-      if (piece != nullptr) {
-        const auto high = hn::Min(hn::Add(plane, hn::Set(d, rise_)), hn::Set(d, most_));
-        hn::Store(low, d, piece->low + l);
-        hn::Store(hn::IfThenElse(shared, high, none), d, piece->high + l);
-      } else {
-        hn::Store(hn::Min(hn::Load(d, layer + l), low), d, layer + l);
-      }
+      const auto low = hn::Max(plane, least);
+      if (piece != nullptr)
+        hn::Store(hn::IfThenElse(shared, plane, none), d, piece->plane + l);
+      else
+        hn::Store(hn::Min(hn::Load(d, layer + l), hn::IfThenElse(shared, low, none)), d, layer + l);
       const auto px = hn::Load(d, lane_x + l), py = hn::Load(d, lane_y + l);
       const auto in_box =
           hn::And(hn::And(hn::Ge(px, left), hn::Le(px, right)), hn::And(hn::Ge(py, top), hn::Le(py, bottom)));
@@ -182,6 +179,9 @@ class TriangleFill {
       if (piece != nullptr) promising |= bits_of(d, hn::And(centre, hn::Gt(low, hn::Load(d, hidden + l)))) << l;
     }
     if (piece != nullptr) {
+      piece->least = least_;
+      piece->rise = rise_;
+      piece->most = most_;
       piece->covered = covered;
       covered = promising;
     }

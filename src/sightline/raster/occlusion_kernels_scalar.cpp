@@ -71,8 +71,8 @@ void Strip::begin(const Tiles& tiles, int first, int last) {
   std::fill_n(empty.lane, tile_pixels, std::numeric_limits<float>::infinity());
   layer.assign(places, empty);
   covered.assign(places, 0);
-  triangles.assign(places, no_piece);
-  edges.assign(places, no_piece);
+  piece.assign(places, no_piece);
+  rim.assign(places, no_piece);
   listed.assign(places, 0);
 }
 
