@@ -1,9 +1,9 @@
 // The loops of occlusion_kernels.hpp, compiled once per SIMD target. The idea
 // (../../../docs/algorithms/occlusion_masked.md): a pixel square that no contour edge of an occluder's projection
 // touches is covered wholly or not at all, and its centre tells which. A pixel that one triangle covers wholly is
-// written at once; pixels that several triangles of the occluder share gather in a layer and are written at its end,
-// unless a contour edge touched them. Here is the drawing; occlusion_setup, occlusion_prepare and occlusion_query are
-// the rest.
+// written at once; pixels that several triangles of the occluder share gather in a layer, or in pieces where a contour
+// edge touches the tile, and are written at its end. Here is the drawing; occlusion_contour, occlusion_setup,
+// occlusion_prepare and occlusion_query are the rest.
 
 #if defined(SIGHTLINE_RASTER_OCCLUSION_KERNELS_INL) == defined(HWY_TARGET_TOGGLE)
 #ifdef SIGHTLINE_RASTER_OCCLUSION_KERNELS_INL
