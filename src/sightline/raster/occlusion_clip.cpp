@@ -63,6 +63,8 @@ void append_edge(const ClipTransform& t, Point a, Point b, int first, DrawList& 
   out.edge_y[0][out.edges] = p.y;
   out.edge_x[1][out.edges] = q.x;
   out.edge_y[1][out.edges] = q.y;
+  out.edge_near[0][out.edges] = p.near;
+  out.edge_near[1][out.edges] = q.near;
   ++out.edges;
 }
 

@@ -90,7 +90,7 @@ struct Surface {
 /// What to draw: corners of triangles and ends of contour edges in pixels, as arrays that are reused.
 struct DrawList {
   std::vector<float> x[3], y[3], near[3];
-  std::vector<float> edge_x[2], edge_y[2];
+  std::vector<float> edge_x[2], edge_y[2], edge_near[2];
   std::vector<Run> runs;
   std::vector<Surface> surfaces;
   std::uint32_t triangles = 0, edges = 0;
@@ -106,19 +106,39 @@ struct Scratch {
   std::vector<std::int32_t> code, front, back, edges, clipped;
 };
 
+/// What a triangle that covers pixels of a tile in part is there: its nearness in a pixel is from max(plane, least) to
+/// min(plane + rise, most).
+struct alignas(64) Piece {
+  float plane[tile_pixels];  // +inf where it does not touch the pixel
+  float least, rise, most;
+  std::uint32_t covered;  // bit per lane: it covers the centre
+  std::uint32_t next;     // place of the tile's next one
+};
+/// The least and the largest nearness of all contour edges in each pixel of a tile; +inf and -inf where there are none.
+struct alignas(64) Rim {
+  float low[tile_pixels], high[tile_pixels];
+};
+inline constexpr std::uint32_t no_piece = 0xFFFFFFFFu;  // and no rim
+
 /// Columns of tiles that one thread draws, and all that it writes but for the buffer itself. The layer gathers the
-/// pixels that several triangles of the current surface share; between surfaces it and what follows it are empty.
+/// pixels that several triangles of the current surface share, pieces do so in tiles with a contour; between surfaces
+/// all from the layer to `touched` is empty.
 struct Strip {
   struct Touched {
     std::uint32_t tile, place;
   };
   int first_column = 0, last_column = -1;  // inclusive
   // By place, that is by tile of the strip.
-  std::vector<TilePixels> layer;       // least nearness of the surface's triangles that touch the pixel; else +inf
-  std::vector<std::uint16_t> covered;  // bit per lane: the centre is covered by one of those triangles
-  std::vector<std::uint16_t> contour;  // bit per lane: a contour edge of the surface touches the pixel
-  std::vector<std::uint8_t> listed;    // is in `touched`
-  std::vector<Touched> touched;        // tiles to commit after this surface
+  std::vector<TilePixels> layer;  // least nearness of the surface's triangles that touch the pixel; else +inf
+  /// Bit per lane: the centre is covered by one of those triangles; in tiles with a contour, by one that is nearer than
+  /// what is hidden already.
+  std::vector<std::uint16_t> covered;
+  std::vector<std::uint32_t> rim, piece;  // of the tile, the latter the first one; no piece without a rim
+  std::vector<std::uint8_t> listed;       // is in `touched`
+  std::vector<Piece> pieces;
+  std::vector<Rim> rims;
+  std::size_t used_pieces = 0, used_rims = 0;
+  std::vector<Touched> touched;  // tiles to commit after this surface
   DrawList list;
   Scratch scratch;
   std::uint64_t triangles_filled = 0, tiles_filled = 0;

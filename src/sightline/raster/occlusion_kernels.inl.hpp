@@ -1,9 +1,9 @@
 // The loops of occlusion_kernels.hpp, compiled once per SIMD target. The idea
 // (../../../docs/algorithms/occlusion_masked.md): a pixel square that no contour edge of an occluder's projection
 // touches is covered wholly or not at all, and its centre tells which. A pixel that one triangle covers wholly is
-// written at once; pixels that several triangles of the occluder share gather in a layer and are written at its end,
-// unless a contour edge touched them. Here is the drawing; occlusion_setup, occlusion_prepare and occlusion_query are
-// the rest.
+// written at once; pixels that several triangles of the occluder share gather in a layer, or in pieces where a contour
+// edge touches the tile, and are written at its end. Here is the drawing; occlusion_contour, occlusion_setup,
+// occlusion_prepare and occlusion_query are the rest.
 
 #if defined(SIGHTLINE_RASTER_OCCLUSION_KERNELS_INL) == defined(HWY_TARGET_TOGGLE)
 #ifdef SIGHTLINE_RASTER_OCCLUSION_KERNELS_INL
@@ -12,73 +12,10 @@
 #define SIGHTLINE_RASTER_OCCLUSION_KERNELS_INL
 #endif
 
-#include "sightline/raster/occlusion_setup.inl.hpp"
+#include "sightline/raster/occlusion_contour.inl.hpp"
 
 HWY_BEFORE_NAMESPACE();
 namespace sightline::raster::HWY_NAMESPACE {
-
-HWY_INLINE void touch(Strip& strip, std::size_t tile, std::size_t place) {
-  if (strip.listed[place] != 0) return;
-  strip.listed[place] = 1;
-  strip.touched.push_back({static_cast<std::uint32_t>(tile), static_cast<std::uint32_t>(place)});
-}
-
-/// Columns or rows of tiles; empty if first > last.
-struct TileRange {
-  int first, last;
-};
-
-HWY_INLINE TileRange within(TileRange range, const Strip& strip) {
-  return {std::max(range.first, strip.first_column), std::min(range.last, strip.last_column)};
-}
-
-/// Those that pixels from low to high (real coordinates) fall in, clamped to the image.
-HWY_INLINE TileRange tile_range(float low, float high, int pixels) {
-  if (!(low < static_cast<float>(pixels)) || !(high >= 0.0f)) return {0, -1};
-  const int first = static_cast<int>(std::max(low, 0.0f)) / tile_size;
-  const int last = static_cast<int>(std::min(high, static_cast<float>(pixels - 1))) / tile_size;
-  return {first, last};
-}
-
-/// An edge as e(x, y) = a (x - x0) + b (y - y0), scaled so that at a pixel centre e >= 1 means that the whole pixel
-/// lies inside and e < -1 that none of it does.
-struct Edge {
-  float a, b, x0, y0;
-};
-HWY_INLINE float at(const Edge& e, float x, float y) { return e.a * (x - e.x0) + e.b * (y - e.y0); }
-
-/// Below this an edge runs along the rows, and cuts none of them.
-inline constexpr float flat_edge = 1e-9f;
-
-/// An edge crosses the row y at x0 + (level - b (y - y0)) / a for the level e = level. Prepared once per edge.
-struct Crossing {
-  float per_a, slack_per_a;
-  HWY_INLINE explicit Crossing(const Edge& e)
-      : per_a(std::abs(e.a) > flat_edge ? 1.0f / e.a : 0.0f), slack_per_a(4e-6f * std::abs(per_a)) {}
-};
-
-/// The pixels of a row of tiles (centres from y_low to y_high) that can lie inside an edge form an interval: cuts
-/// [left, right] down to it, widened by a pixel; and those that certainly lie wholly inside: cuts [in_left, in_right].
-struct RowCut {
-  float left, right, in_left, in_right;
-  HWY_INLINE void add(const Edge& e, const Crossing& c, float y_low, float y_high) {
-    const float low = e.b * (y_low - e.y0), high = e.b * (y_high - e.y0);
-    const float best = std::max(low, high), worst = std::min(low, high);
-    if (!(std::abs(e.a) > flat_edge)) {
-      if (!(worst > 1.001f)) in_right = -1.0f;
-      return;
-    }
-    const float slack = (2.0f + std::abs(best) + std::abs(worst)) * c.slack_per_a;
-    const float outer = e.x0 + (-1.0f - best) * c.per_a, inner = e.x0 + (1.0f - worst) * c.per_a;
-    if (e.a > 0.0f) {
-      left = std::max(left, outer - (1.0f + slack));
-      in_left = std::max(in_left, inner + (0.01f + slack));
-    } else {
-      right = std::min(right, outer + (1.0f + slack));
-      in_right = std::min(in_right, inner - (0.01f + slack));
-    }
-  }
-};
 
 /// A centre this little outside of a triangle (by its edges, scaled as above, and by its box, pixels) still counts as
 /// covered, so that rounding opens no seam between two triangles. Safe because it is less than the margin by which
@@ -98,6 +35,8 @@ class TriangleFill {
         gradient_y_(s.gradient_y[t]),
         base_(s.base[t]),
         least_(s.least[t]),
+        rise_(s.rise[t]),
+        most_(s.most[t]),
         box_low_x_(s.low_x[t] - box_slack),
         box_high_x_(s.high_x[t] + box_slack),
         box_low_y_(s.low_y[t] - box_slack),
@@ -214,28 +153,44 @@ class TriangleFill {
     }
     // Pixels that this triangle covers in part.
     const std::size_t place = strip_.place(row, column);
+    const bool has_contour = strip_.rim[place] != no_piece;
     float* layer = strip_.layer[place].lane;
-    std::uint32_t covered = 0;
+    Piece* piece = has_contour ? &add_piece(strip_, strip_.piece[place]) : nullptr;
+    const auto none = hn::Set(d, std::numeric_limits<float>::infinity());
+    const float* hidden = tiles_.hidden[tile].lane;
+    std::uint32_t covered = 0, promising = 0;
     const auto limit = [&](float value) SIGHTLINE_INLINE_LAMBDA { return hn::Set(d, value); };
     const auto left = limit(box_low_x_ - x), right = limit(box_high_x_ - x), top = limit(box_low_y_ - y),
                bottom = limit(box_high_y_ - y);
     for (std::size_t l = 0; l < tile_pixels; l += float_lanes()) {
       const auto here = hn::Load(d, inside + l);
       const auto shared = hn::AndNot(hn::Ge(here, all_inside), hn::Ge(here, outside));
-      const auto gathered = hn::Load(d, layer + l);
-      hn::Store(hn::IfThenElse(shared, hn::Min(gathered, near_of(l)), gathered), d, layer + l);
+      const auto plane = hn::Add(near_here, hn::Load(d, near_step_ + l));
+      const auto low = hn::Max(plane, least);
+      if (piece != nullptr)
+        hn::Store(hn::IfThenElse(shared, plane, none), d, piece->plane + l);
+      else
+        hn::Store(hn::Min(hn::Load(d, layer + l), hn::IfThenElse(shared, low, none)), d, layer + l);
       const auto px = hn::Load(d, lane_x + l), py = hn::Load(d, lane_y + l);
       const auto in_box =
           hn::And(hn::And(hn::Ge(px, left), hn::Le(px, right)), hn::And(hn::Ge(py, top), hn::Le(py, bottom)));
       const auto centre = hn::And(hn::And(shared, hn::Ge(here, hn::Set(d, -edge_slack))), in_box);
       covered |= bits_of(d, centre) << l;
+      if (piece != nullptr) promising |= bits_of(d, hn::And(centre, hn::Gt(low, hn::Load(d, hidden + l)))) << l;
+    }
+    if (piece != nullptr) {
+      piece->least = least_;
+      piece->rise = rise_;
+      piece->most = most_;
+      piece->covered = covered;
+      covered = promising;
     }
     strip_.covered[place] = static_cast<std::uint16_t>(strip_.covered[place] | covered);
     touch(strip_, tile, place);
   }
 
   Edge edges_[3];
-  float gradient_x_, gradient_y_, base_, least_;
+  float gradient_x_, gradient_y_, base_, least_, rise_, most_;
   float box_low_x_, box_high_x_, box_low_y_, box_high_y_;
   float nearest_;
   float least_step_, largest_step_;
@@ -244,81 +199,6 @@ class TriangleFill {
   HWY_ALIGN float edge_step_[3][tile_pixels];
   HWY_ALIGN float near_step_[tile_pixels];
 };
-
-/// Marks every pixel whose square, widened by the margin, the segment touches (separating axes: x, y, its normal).
-HWY_INLINE void mark(const DrawList& list, std::size_t e, const Run& run, Tiles& tiles, Strip& strip) {
-  const Float d;
-  const float margin = run.margins.pixels, square = run.margins.square;
-  const float px = list.edge_x[0][e], py = list.edge_y[0][e], qx = list.edge_x[1][e], qy = list.edge_y[1][e];
-  const float low_x = std::min(px, qx) - margin, high_x = std::max(px, qx) + margin;
-  const float low_y = std::min(py, qy) - margin, high_y = std::max(py, qy) + margin;
-  const TileRange columns = within(tile_range(low_x, high_x, tiles.width), strip);
-  const TileRange rows = tile_range(low_y, high_y, tiles.height);
-  if (columns.first > columns.last || rows.first > rows.last) return;
-  const float a = py - qy, b = qx - px, length = std::abs(a) + std::abs(b);
-  const float scale =
-      length > 1e-20f ? 1.0f / (length * (run.margins.square + margin)) : 0.0f;  // a point: its box decides
-  const Edge side{a * scale, b * scale, px, py}, other{-a * scale, -b * scale, px, py};
-  const Crossing crossing(side), other_crossing(other);
-  const bool cut = columns.last - columns.first > 2;
-  for (int row = rows.first; row <= rows.last; ++row) {
-    const float y = static_cast<float>(row * tile_size) + 0.5f;
-    TileRange range = columns;
-    if (cut) {
-      RowCut row_cut{0.0f, static_cast<float>(tiles.width - 1), 0.0f, 0.0f};
-      row_cut.add(side, crossing, y, y + static_cast<float>(tile_size - 1));
-      row_cut.add(other, other_crossing, y, y + static_cast<float>(tile_size - 1));
-      const TileRange narrow = tile_range(row_cut.left, row_cut.right, tiles.width);
-      range = {std::max(narrow.first, columns.first), std::min(narrow.last, columns.last)};
-    }
-    for (int column = range.first; column <= range.last; ++column) {
-      const std::size_t tile =
-          static_cast<std::size_t>(row) * static_cast<std::size_t>(tiles.across) + static_cast<std::size_t>(column);
-      if (tiles.farthest[tile] >= run.nearest) continue;
-      const float x = static_cast<float>(column * tile_size) + 0.5f;
-      const auto middle = hn::Set(d, at(side, x, y));
-      std::uint32_t bits = 0;
-      for (std::size_t l = 0; l < tile_pixels; l += float_lanes()) {
-        const auto lx = hn::Load(d, lane_x + l), ly = hn::Load(d, lane_y + l);
-        const auto step = hn::Add(hn::Mul(hn::Set(d, side.a), lx), hn::Mul(hn::Set(d, side.b), ly));
-        const auto cx = hn::Add(hn::Set(d, x), lx), cy = hn::Add(hn::Set(d, y), ly);
-        auto hit = hn::Le(hn::Abs(hn::Add(middle, step)), hn::Set(d, 1.0f));
-        hit = hn::And(hit, hn::And(hn::Ge(cx, hn::Set(d, low_x - square)), hn::Le(cx, hn::Set(d, high_x + square))));
-        hit = hn::And(hit, hn::And(hn::Ge(cy, hn::Set(d, low_y - square)), hn::Le(cy, hn::Set(d, high_y + square))));
-        bits |= bits_of(d, hit) << l;
-      }
-      if (bits == 0) continue;
-      const std::size_t place = strip.place(row, column);
-      strip.contour[place] = static_cast<std::uint16_t>(strip.contour[place] | bits);
-      touch(strip, tile, place);
-    }
-  }
-}
-
-/// Ends a surface: what its layer proves goes into `hidden`.
-HWY_INLINE void commit(Tiles& tiles, Strip& strip) {
-  const Float d;
-  const auto empty = hn::Set(d, std::numeric_limits<float>::infinity());
-  for (const auto [tile, place] : strip.touched) {
-    const auto proven = static_cast<std::uint32_t>(strip.covered[place] & ~strip.contour[place]);
-    auto farthest = empty;
-    for (std::size_t l = 0; l < tile_pixels; l += float_lanes()) {
-      float* layer = strip.layer[place].lane + l;
-      float* hidden = tiles.hidden[tile].lane + l;
-      std::uint8_t bytes[8] = {static_cast<std::uint8_t>(proven >> l), static_cast<std::uint8_t>(proven >> l >> 8)};
-      const auto mask = hn::LoadMaskBits(d, bytes);
-      auto now = hn::Load(d, hidden);
-      now = hn::IfThenElse(mask, hn::Max(now, hn::Load(d, layer)), now);
-      hn::Store(now, d, hidden);
-      hn::Store(empty, d, layer);
-      farthest = hn::Min(farthest, now);
-    }
-    tiles.farthest[tile] = hn::GetLane(hn::MinOfLanes(d, farthest));
-    strip.covered[place] = strip.contour[place] = 0;
-    strip.listed[place] = 0;
-  }
-  strip.touched.clear();
-}
 
 /// True if every tile of the ranges hides what is of nearness `near`.
 HWY_INLINE bool hides_tiles(const Tiles& tiles, TileRange columns, TileRange rows, float near) {
@@ -337,20 +217,23 @@ HWY_INLINE bool hides_tiles(const Tiles& tiles, TileRange columns, TileRange row
   return true;
 }
 
-HWY_INLINE void draw_run(const DrawList& list, const Run& run, Tiles& tiles, Strip& strip) {
+HWY_INLINE void fill_run(const DrawList& list, const Run& run, Tiles& tiles, Strip& strip) {
   Setups setups;
   for (std::size_t first = run.first_triangle; first < run.last_triangle; first += tile_pixels) {
     const std::size_t count = std::min<std::size_t>(tile_pixels, run.last_triangle - first);
-    setups.valid = 0;
+    const std::uint32_t here = 0xFFFFu >> (tile_pixels - count);
+    setups.valid = setups.flat = 0;
     for (std::size_t l = 0; l < count; l += float_lanes()) set_up(list, first, run.margins, tiles, strip, l, setups);
-    std::uint32_t valid = setups.valid & (0xFFFFu >> (tile_pixels - count));
+    std::uint32_t valid = setups.valid & here;
     for (std::size_t t = 0; valid != 0; ++t, valid >>= 1) {
       if ((valid & 1u) == 0) continue;
       TriangleFill(setups, t, run, tiles, strip)
           .rows({setups.first_column[t], setups.last_column[t]}, {setups.first_row[t], setups.last_row[t]});
     }
+    std::uint32_t flat = setups.flat & here;
+    for (std::size_t t = 0; flat != 0; ++t, flat >>= 1)
+      if ((flat & 1u) != 0) mark_flat(list, first + t, setups.least[t], setups.most[t], run, tiles, strip);
   }
-  for (std::size_t e = run.first_edge; e < run.last_edge; ++e) mark(list, e, run, tiles, strip);
 }
 
 /// Draws the strip's list, the near surfaces first: they spare the work for the others.
@@ -360,12 +243,11 @@ HWY_INLINE void draw_list(Tiles& tiles, Strip& strip) {
     return a.nearest != b.nearest ? a.nearest > b.nearest : a.first < b.first;
   });
   for (const Surface& surface : list.surfaces) {
-    for (std::size_t r = surface.first; r < surface.last; ++r) {
-      const Run& run = list.runs[r];
-      // What was drawn since it was prepared may hide it by now; a surface with clipped parts is near without bound.
-      if (!hides_tiles(tiles, {run.first_column, run.last_column}, {run.first_row, run.last_row}, run.nearest))
-        draw_run(list, run, tiles, strip);
-    }
+    // What was drawn since it was prepared may hide it by now; a surface with clipped parts is near without bound.
+    const Run& all = list.runs[surface.first];  // the runs of a surface have its ranges and its nearness
+    if (hides_tiles(tiles, {all.first_column, all.last_column}, {all.first_row, all.last_row}, all.nearest)) continue;
+    for (std::size_t r = surface.first; r < surface.last; ++r) mark_contour(list, list.runs[r], tiles, strip);
+    for (std::size_t r = surface.first; r < surface.last; ++r) fill_run(list, list.runs[r], tiles, strip);
     commit(tiles, strip);
   }
 }

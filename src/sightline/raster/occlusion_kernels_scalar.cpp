@@ -32,7 +32,7 @@ void DrawList::reserve(std::size_t more_triangles, std::size_t more_edges) {
       for (auto* array : {&x[i], &y[i], &near[i]}) grow(*array, triangles + more_triangles);
   if (more_edges > 0)
     for (std::size_t i = 0; i < 2; ++i)
-      for (auto* array : {&edge_x[i], &edge_y[i]}) grow(*array, edges + more_edges);
+      for (auto* array : {&edge_x[i], &edge_y[i], &edge_near[i]}) grow(*array, edges + more_edges);
 }
 
 void Tiles::resize(int new_width, int new_height) {
@@ -71,7 +71,8 @@ void Strip::begin(const Tiles& tiles, int first, int last) {
   std::fill_n(empty.lane, tile_pixels, std::numeric_limits<float>::infinity());
   layer.assign(places, empty);
   covered.assign(places, 0);
-  contour.assign(places, 0);
+  piece.assign(places, no_piece);
+  rim.assign(places, no_piece);
   listed.assign(places, 0);
 }
 

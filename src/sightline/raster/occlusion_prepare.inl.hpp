@@ -262,6 +262,8 @@ class Preparation {
       out_.edge_y[0][out_.edges] = s_.y[from];
       out_.edge_x[1][out_.edges] = s_.x[to];
       out_.edge_y[1][out_.edges] = s_.y[to];
+      out_.edge_near[0][out_.edges] = s_.near[from];
+      out_.edge_near[1][out_.edges] = s_.near[to];
       ++out_.edges;
     }
     run.last_triangle = out_.triangles;

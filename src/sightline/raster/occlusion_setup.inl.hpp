@@ -41,6 +41,16 @@ HWY_INLINE std::uint32_t bits_of(Float d, Mask mask) {
   return bytes[0] | (static_cast<std::uint32_t>(bytes[1]) << 8);
 }
 
+HWY_ALIGN inline constexpr std::int32_t lane_bit[tile_pixels] = {1 << 0,  1 << 1,  1 << 2,  1 << 3, 1 << 4,  1 << 5,
+                                                                 1 << 6,  1 << 7,  1 << 8,  1 << 9, 1 << 10, 1 << 11,
+                                                                 1 << 12, 1 << 13, 1 << 14, 1 << 15};
+
+/// The lanes whose bits from bit l on are set.
+HWY_INLINE hn::Mask<Float> lanes_of(std::uint32_t bits, std::size_t l) {
+  const Int di;
+  return hn::RebindMask(Float(), hn::TestBit(hn::Set(di, static_cast<std::int32_t>(bits)), hn::Load(di, lane_bit + l)));
+}
+
 /// What 16 triangles need in the tile loop.
 struct Setups {
   HWY_ALIGN float x[3][tile_pixels], y[3][tile_pixels];              // corners
@@ -48,11 +58,14 @@ struct Setups {
   HWY_ALIGN float gradient_x[tile_pixels], gradient_y[tile_pixels];  // nearness per pixel
   HWY_ALIGN float base[tile_pixels];   // nearness at the first corner, lowered to the least over a pixel square
   HWY_ALIGN float least[tile_pixels];  // nearness of the farthest corner, lowered
+  HWY_ALIGN float rise[tile_pixels];   // from there to the most over a pixel square, raised
+  HWY_ALIGN float most[tile_pixels];   // nearness of the nearest corner, raised
   HWY_ALIGN float low_x[tile_pixels], low_y[tile_pixels], high_x[tile_pixels],
       high_y[tile_pixels];  // box of the corners
   HWY_ALIGN std::int32_t first_column[tile_pixels], last_column[tile_pixels], first_row[tile_pixels],
       last_row[tile_pixels];
   std::uint32_t valid;  // bit per triangle: it has an area and may touch the strip
+  std::uint32_t flat;   // bit per triangle: it has no area that floats can tell
 };
 
 template <class V>
@@ -93,6 +106,7 @@ HWY_INLINE void set_up(const DrawList& list, std::size_t first, const Margins& m
   edge(0, x0, y0, x1, y1);
   edge(1, x1, y1, x2, y2);
   edge(2, x2, y2, x0, y0);
+  out.flat |= bits_of(d, hn::Not(valid)) << l;
 
   const auto lowered = [&](auto near, auto size) SIGHTLINE_INLINE_LAMBDA {
     return hn::Sub(near, hn::Add(hn::Mul(size, hn::Set(d, margins.nearness_share)), hn::Set(d, margins.nearness)));
@@ -107,7 +121,13 @@ HWY_INLINE void set_up(const DrawList& list, std::size_t first, const Margins& m
   const auto gx = hn::Div(hn::Sub(hn::Mul(du, vy), hn::Mul(dv, uy)), area);
   const auto gy = hn::Div(hn::Sub(hn::Mul(dv, ux), hn::Mul(du, vx)), area);
   const auto drop = hn::Mul(length(gx, gy), half);
-  const auto base = lowered(hn::Sub(n0, drop), max3(hn::Abs(n0), hn::Abs(n1), hn::Abs(n2)));
+  const auto largest = max3(hn::Abs(n0), hn::Abs(n1), hn::Abs(n2));
+  const auto base = lowered(hn::Sub(n0, drop), largest);
+  const auto highest = max3(n0, n1, n2);
+  const auto most = hn::Sub(highest, lowered(zero, hn::Abs(highest)));
+  const auto rise = hn::Mul(hn::Set(d, 2.0f), hn::Sub(drop, lowered(zero, largest)));
+  hn::Store(hn::IfThenElse(sliver, hn::Sub(most, least), rise), d, out.rise + l);
+  hn::Store(most, d, out.most + l);
   hn::Store(hn::IfThenElse(sliver, zero, gx), d, out.gradient_x + l);
   hn::Store(hn::IfThenElse(sliver, zero, gy), d, out.gradient_y + l);
   hn::Store(hn::IfThenElse(sliver, least, base), d, out.base + l);
