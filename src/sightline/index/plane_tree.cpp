@@ -1,6 +1,7 @@
 #include "sightline/index/plane_tree.hpp"
 
 #include <cmath>
+#include <span>
 
 #include "sightline/geometry/pca.hpp"
 #include "sightline/geometry/triangle_overlap.hpp"
@@ -10,6 +11,7 @@ namespace sightline {
 namespace {
 
 constexpr int most_depth = 100;
+constexpr int most_bad = 2;
 
 class Builder {
  public:
@@ -23,21 +25,24 @@ class Builder {
         std::min(config_.max_depth > 0 ? config_.max_depth
                                        : 8 + static_cast<int>(1.3 * std::log2(static_cast<double>(soup_.size()))),
                  most_depth);
-    std::vector<std::uint32_t> all(soup_.size());
-    for (std::uint32_t i = 0; i < all.size(); ++i) all[i] = i;
+    Task root{0, 0, 0, 4 * soup_.size(), {}, {}};
+    for (std::uint32_t i = 0; i < soup_.size(); ++i) {
+      root.pieces.push_back({i, 3});
+      root.corners.insert(root.corners.end(), soup_.triangle(i), soup_.triangle(i) + 3);
+    }
     tree_.nodes.emplace_back();
     std::vector<Task> stack;
-    stack.push_back({0, 0, std::move(all)});
+    stack.push_back(std::move(root));
     while (!stack.empty()) {
       Task task = std::move(stack.back());
       stack.pop_back();
-      for (const std::uint32_t item : task.items)
-        tree_.nodes[task.node].bounds.extend(triangle_bounds(soup_.triangle(item)));
-      Task behind{0, task.depth + 1, {}}, front = behind;
-      if (task.depth >= limit || task.items.size() <= config_.leaf_size || !part(task, behind.items, front.items)) {
+      for (const Piece& piece : task.pieces)
+        tree_.nodes[task.node].bounds.extend(triangle_bounds(soup_.triangle(piece.item)));
+      Task behind{0, task.depth + 1, task.bad, 0, {}, {}}, front = behind;
+      if (task.depth >= limit || task.pieces.size() <= config_.leaf_size || !part(task, behind, front)) {
         tree_.nodes[task.node].first = static_cast<std::uint32_t>(tree_.items.size());
-        tree_.nodes[task.node].count = static_cast<std::uint32_t>(task.items.size());
-        tree_.items.insert(tree_.items.end(), task.items.begin(), task.items.end());
+        tree_.nodes[task.node].count = static_cast<std::uint32_t>(task.pieces.size());
+        for (const Piece& piece : task.pieces) tree_.items.push_back(piece.item);
         continue;
       }
       behind.node = static_cast<std::uint32_t>(tree_.nodes.size());
@@ -51,68 +56,99 @@ class Builder {
   }
 
  private:
+  /// The part of a triangle that lies in a cell, a convex polygon of the next `corners` corners.
+  struct Piece {
+    std::uint32_t item, corners;
+  };
   struct Task {
     std::uint32_t node;
     int depth;
-    std::vector<std::uint32_t> items;
+    int bad;           // cuts above that gained little
+    std::size_t room;  // how many pieces more than triangles may come to be below
+    std::vector<Piece> pieces;
+    std::vector<glm::dvec3> corners;
   };
 
-  /// Parts the triangles by the best of the three planes through their mean across the principal axes: the first axis
-  /// alone leaves walls on both sides of every plane. False if none gains enough (E26), or the tree would hold
-  /// triangles more than five times on average.
-  bool part(const Task& task, std::vector<std::uint32_t>& behind, std::vector<std::uint32_t>& front) {
+  /// Parts the pieces by the best of the three planes through their mean across the principal axes: the first axis
+  /// alone leaves walls on both sides of every plane. False if too little was gained too often on the way here (E26),
+  /// or the tree would hold triangles more than five times on average.
+  bool part(const Task& task, Task& behind, Task& front) {
     centres_.clear();
-    for (const std::uint32_t item : task.items) {
-      const glm::vec3* c = soup_.triangle(item);
-      centres_.push_back((glm::dvec3(c[0]) + glm::dvec3(c[1]) + glm::dvec3(c[2])) / 3.0);
+    const glm::dvec3* corners = task.corners.data();
+    for (const Piece& piece : task.pieces) {
+      glm::dvec3 sum(0.0);
+      for (std::uint32_t i = 0; i < piece.corners; ++i) sum += corners[i];
+      centres_.push_back(sum / static_cast<double>(piece.corners));
+      corners += piece.corners;
     }
     const PrincipalAxes axes = principal_axes(centres_);
-    const auto all = static_cast<double>(task.items.size());
+    const auto all = static_cast<double>(task.pieces.size());
     PlaneNode& node = tree_.nodes[task.node];
-    double best = 0.85 * all * all;  // one tenth on one side, or three tenths on both, are just enough
+    double best = 1.99 * all * all;
     for (int axis = 0; axis < 3; ++axis) {
       const glm::dvec3 normal = axes.axes[axis];
       const double offset = -glm::dot(normal, axes.mean);
       double low = 0.0, high = 0.0;
-      for (const std::uint32_t item : task.items) {
-        const Sides sides = sides_of(item, normal, offset);
+      corners = task.corners.data();
+      for (const Piece& piece : task.pieces) {
+        const Sides sides = sides_of({corners, piece.corners}, normal, offset);
         low += sides.behind ? 1.0 : 0.0;
         high += sides.front ? 1.0 : 0.0;
+        corners += piece.corners;
       }
       if (low * low + high * high >= best) continue;
       best = low * low + high * high;
       node.normal = normal;
       node.offset = offset;
     }
-    if (node.normal == glm::dvec3(0.0)) return false;
-    for (const std::uint32_t item : task.items) {
-      const Sides sides = sides_of(item, node.normal, node.offset);
-      if (sides.behind) behind.push_back(item);
-      if (sides.front) front.push_back(item);
+    if (best > 0.85 * all * all)
+      behind.bad = front.bad = task.bad + 1;  // enough: a tenth on one side, or three on both
+    if (node.normal == glm::dvec3(0.0) || behind.bad > most_bad) return false;
+    corners = task.corners.data();
+    for (const Piece& piece : task.pieces) {
+      const std::span<const glm::dvec3> polygon(corners, piece.corners);
+      const Sides sides = sides_of(polygon, node.normal, node.offset);
+      if (sides.behind) add_part(behind, piece.item, polygon, -node.normal, -node.offset);
+      if (sides.front) add_part(front, piece.item, polygon, node.normal, node.offset);
+      corners += piece.corners;
     }
-    const std::size_t twice = behind.size() + front.size() - task.items.size();
-    if (repeated_ + twice > 4 * soup_.size()) return false;
-    repeated_ += twice;
+    const std::size_t both = behind.pieces.size() + front.pieces.size(), twice = both - task.pieces.size();
+    if (twice > task.room) return false;
+    behind.room = (task.room - twice) * behind.pieces.size() / both;
+    front.room = task.room - twice - behind.room;
     return true;
   }
 
   struct Sides {
     bool behind, front;
   };
-  [[nodiscard]] Sides sides_of(std::uint32_t item, const glm::dvec3& normal, double offset) const {
+  [[nodiscard]] Sides sides_of(std::span<const glm::dvec3> polygon, const glm::dvec3& normal, double offset) const {
     double least = std::numeric_limits<double>::infinity(), most = -least;
-    for (int k = 0; k < 3; ++k) {
-      const double f = glm::dot(normal, glm::dvec3(soup_.triangle(item)[k])) + offset;
+    for (const glm::dvec3& corner : polygon) {
+      const double f = glm::dot(normal, corner) + offset;
       least = std::min(least, f);
       most = std::max(most, f);
     }
     return {least <= margin_, most >= -margin_};
   }
 
+  /// What of a polygon lies before the plane or not farther than the margin behind it (Sutherland and Hodgman 1974).
+  void add_part(Task& task, std::uint32_t item, std::span<const glm::dvec3> polygon, const glm::dvec3& normal,
+                double offset) const {
+    const auto height = [&](const glm::dvec3& p) { return glm::dot(normal, p) + offset + margin_; };
+    const std::size_t before = task.corners.size();
+    for (std::size_t i = 0; i < polygon.size(); ++i) {
+      const glm::dvec3 &a = polygon[i], &b = polygon[(i + 1) % polygon.size()];
+      const double ha = height(a), hb = height(b);
+      if (ha >= 0.0) task.corners.push_back(a);
+      if ((ha >= 0.0) != (hb >= 0.0)) task.corners.push_back(a + ha / (ha - hb) * (b - a));
+    }
+    task.pieces.push_back({item, static_cast<std::uint32_t>(task.corners.size() - before)});
+  }
+
   const TriangleSoup& soup_;
   PlaneTreeConfig config_;
   double margin_ = 0.0;
-  std::size_t repeated_ = 0;
   std::vector<glm::dvec3> centres_;
   PlaneTree tree_;
 };

@@ -1,6 +1,6 @@
 // BSP tree for rays: cells parted by arbitrary planes (checklist 14.12), here across the axis in which the triangles'
-// centres are spread widest, through their mean (PCA, checklist 15.17 with E32). Triangles are not cut but kept in
-// every cell that they reach into. Promise of the walk: the hits of brute force.
+// centres are spread widest, through their mean (PCA, checklist 15.17 with E32). Triangles are kept whole in every
+// cell that a part of them reaches into. Promise of the walk: the hits of brute force.
 #pragma once
 
 #include <span>
