@@ -1,11 +1,12 @@
-// bench_ray_agreement [RAYS [SCENE.glb ...]]: every tracing structure on the same random rays, hit by hit against the
-// first one, and that one against Embree's robust mode. Default: 100,000 rays on three scenes of ../shared/scenes.
-// Exits 1 at a difference between our structures, or a hit that Embree does not share and that neither a tie nor a
-// grazed border explains.
+// bench_ray_agreement [--structures=A,B,...] [RAYS [SCENE.glb ...]]: every tracing structure, or some, on the same
+// random rays, hit by hit against the first one, and that one against Embree's robust mode. Default: 100,000 rays on
+// three scenes of ../shared/scenes. Exits 1 at a difference between our structures, or a hit that Embree does not share
+// and that neither a tie nor a grazed border explains.
 #include <atomic>
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
+#include <sstream>
 #include <string>
 #include <vector>
 
@@ -74,7 +75,8 @@ bool is_grazing(const RayHit& a, const RayHit& b, const Ray& ray, const Triangle
   return distance <= 0x1p-20 * static_cast<double>(extent);
 }
 
-bool agree(const std::string& name, const TriangleSoup& soup, std::uint64_t rays) {
+bool agree(const std::string& name, const TriangleSoup& soup, std::uint64_t rays,
+           const std::vector<const TracerKind*>& kinds) {
   Aabb box = bounds_of(soup);
   const float extent = std::max({box.extent().x, box.extent().y, box.extent().z});
   box.lo -= 0.05f * extent;
@@ -83,10 +85,10 @@ bool agree(const std::string& name, const TriangleSoup& soup, std::uint64_t rays
   constexpr std::size_t block = 4096;
   std::vector<RayHit> first(rays);
   bool good = true;
-  for (const TracerKind& kind : tracer_kinds()) {
-    if (kind.name == "brute" && rays * soup.size() > 20'000'000'000) continue;
-    const std::unique_ptr<Tracer> tracer = kind.make(soup);
-    const bool is_first = &kind == tracer_kinds().data();
+  for (const TracerKind* kind : kinds) {
+    if (kind->name == "brute" && rays * soup.size() > 20'000'000'000) continue;
+    const std::unique_ptr<Tracer> tracer = kind->make(soup);
+    const bool is_first = kind == kinds.front();
     Counts counts;
     parallel_blocks(rays, block, [&](std::size_t begin, std::size_t end) {
       TraceCounters work;
@@ -102,7 +104,7 @@ bool agree(const std::string& name, const TriangleSoup& soup, std::uint64_t rays
       counts.hits += hits;
       counts.other += other;
     });
-    std::printf("  %-15s %10llu hits, %llu differ\n", kind.name.data(),
+    std::printf("  %-15s %10llu hits, %llu differ\n", kind->name.data(),
                 static_cast<unsigned long long>(counts.hits.load()),
                 static_cast<unsigned long long>(counts.other.load()));
     std::fflush(stdout);
@@ -139,8 +141,24 @@ bool agree(const std::string& name, const TriangleSoup& soup, std::uint64_t rays
 
 int main(int count, char** arguments) {
   std::vector<std::string> words;
-  for (int i = 1; i < count; ++i)
-    if (arguments[i][0] != '-') words.emplace_back(arguments[i]);
+  std::vector<const TracerKind*> kinds;
+  const std::string_view option = "--structures=";
+  for (int i = 1; i < count; ++i) {
+    const std::string_view word = arguments[i];
+    if (word.starts_with(option)) {
+      std::istringstream names{std::string(word.substr(option.size()))};
+      for (std::string name; std::getline(names, name, ',');) {
+        kinds.push_back(find_tracer(name));
+        if (kinds.back() != nullptr) continue;
+        std::fprintf(stderr, "bench_ray_agreement: no structure is called '%s'\n", name.c_str());
+        return 2;
+      }
+    } else if (!word.starts_with('-')) {
+      words.emplace_back(word);
+    }
+  }
+  if (kinds.empty())
+    for (const TracerKind& kind : tracer_kinds()) kinds.push_back(&kind);
   const std::uint64_t rays = words.empty() ? 100000 : std::stoull(words[0]);
   std::vector<std::string> files(words.begin() + (words.empty() ? 0 : 1), words.end());
   const std::string folder = std::string(SIGHTLINE_SOURCE_DIR) + "/../shared/scenes/";
@@ -150,7 +168,7 @@ int main(int count, char** arguments) {
   bool good = true;
   for (const std::string& file : files) {
     try {
-      good &= agree(std::filesystem::path(file).filename().string(), soup_of(load_scene(file).scene), rays);
+      good &= agree(std::filesystem::path(file).filename().string(), soup_of(load_scene(file).scene), rays, kinds);
     } catch (const InputError& error) {
       std::fprintf(stderr, "bench_ray_agreement: skipped: %s\n", error.what());
     }
