@@ -112,16 +112,23 @@ HWY_INLINE bool try_leaf(const Bvh8& tree, std::uint32_t ref, const TraceRay& ra
     const auto load = [&](int corner, int axis) HWY_ATTR {
       return hn::LoadU(d, leaf.coordinates + static_cast<std::size_t>(3 * corner + axis) * leaf.k + i);
     };
-    const Look look = look_at({load(0, s.x), load(0, s.y), load(0, s.z), load(1, s.x), load(1, s.y), load(1, s.z),
+    const Corners p = sheared({load(0, s.x), load(0, s.y), load(0, s.z), load(1, s.x), load(1, s.y), load(1, s.z),
                                load(2, s.x), load(2, s.y), load(2, s.z)},
                               lanes_of_ray);
+    const Look look = look_at(p, lanes_of_ray);
     const std::uint32_t in_leaf = lowest(leaf.k - i);
     if (any && (look.certain & in_leaf) != 0) {
       best.triangle = 0;
       return true;
     }
-    for (std::uint32_t mask = look.maybe & in_leaf; mask != 0; mask &= mask - 1)
-      found |= try_triangle(leaf, i + static_cast<std::size_t>(std::countr_zero(mask)), ray, best);
+    std::uint32_t mask = look.maybe & in_leaf;
+    if (mask == 0) continue;
+    ShearedLanes in_lanes;
+    store(p, in_lanes);
+    for (; mask != 0; mask &= mask - 1) {
+      const auto lane = static_cast<std::size_t>(std::countr_zero(mask));
+      found |= try_triangle(leaf, i + lane, in_lanes, lane, ray, best);
+    }
   }
   return found;
 }
