@@ -136,8 +136,7 @@ HWY_INLINE void prefetch(const Bvh8& tree, std::uint32_t ref) {
       reinterpret_cast<const char*>(tree.triangles.data() + std::size_t{ref & 0x0FFFFFFFu} * bvh8_words_per_triangle);
   const auto* node = reinterpret_cast<const char*>(tree.nodes.data() + (ref & 0x7FFFFFFFu));
   const char* at = (ref & bvh8_leaf) != 0 ? leaf : node;
-  hwy::Prefetch(at);
-  hwy::Prefetch(at + 64);
+  for (int line = 0; line < 4; ++line) hwy::Prefetch(at + 64 * line);  // a node, or six triangles
 }
 
 }  // namespace sightline::HWY_NAMESPACE

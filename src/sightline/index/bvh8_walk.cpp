@@ -134,9 +134,10 @@ HWY_INLINE bool try_leaf(const Bvh8& tree, std::uint32_t ref, const TraceRay& ra
 }
 
 /// Puts the children in the mask onto the stack, above the references where the ray enters (bits of a float that is not
-/// negative, which order as integers do); if they are to be sorted, the nearest last.
+/// negative, which order as integers do); if they are to be sorted, the nearest last, and if not, all are fetched
+/// ahead.
 template <bool sorted>
-HWY_INLINE void push(Entry* stack, std::size_t& top, const std::uint32_t* key, std::uint32_t mask,
+HWY_INLINE void push(const Bvh8& tree, Entry* stack, std::size_t& top, const std::uint32_t* key, std::uint32_t mask,
                      const Bvh8Node& node) {
   const std::size_t base = top;
   for (; mask != 0; mask &= mask - 1) {
@@ -146,6 +147,7 @@ HWY_INLINE void push(Entry* stack, std::size_t& top, const std::uint32_t* key, s
     if (sorted)
       for (; at > base && stack[at - 1] < entry; --at) stack[at] = stack[at - 1];
     stack[at] = entry;
+    if (!sorted) prefetch(tree, node.ref[child]);
   }
 }
 
@@ -181,9 +183,9 @@ HWY_INLINE RayHit walk(const Bvh8& tree, const TraceRay& ray, TraceCounters* cou
           prefetch(tree, static_cast<std::uint32_t>(stack[top - 1]));
           continue;
         }
-        push<!any>(stack, top, key, mask | 1u << first, node);
+        push<!any>(tree, stack, top, key, mask | 1u << first, node);
         ref = static_cast<std::uint32_t>(stack[--top]);
-        prefetch(tree, static_cast<std::uint32_t>(stack[top - 1]));
+        if (!any) prefetch(tree, static_cast<std::uint32_t>(stack[top - 1]));
         continue;
       }
     } else {
