@@ -54,6 +54,17 @@ inline Shear shear_of(const glm::vec3& origin, const glm::vec3& direction) {
   return s;
 }
 
+/// A triangle in the space of a shear, in which the ray is the z axis (whose scale the shear's scale_z is).
+struct ShearedTriangle {
+  float ax, ay, az, bx, by, bz, cx, cy, cz;
+};
+[[gnu::always_inline]] inline ShearedTriangle sheared(const Shear& s, const float* a, const float* b, const float* c) {
+  const float az = a[s.z] - s.origin_z, bz = b[s.z] - s.origin_z, cz = c[s.z] - s.origin_z;
+  return {(a[s.x] - s.origin_x) - s.shear_x * az, (a[s.y] - s.origin_y) - s.shear_y * az, az,
+          (b[s.x] - s.origin_x) - s.shear_x * bz, (b[s.y] - s.origin_y) - s.shear_y * bz, bz,
+          (c[s.x] - s.origin_x) - s.shear_x * cz, (c[s.y] - s.origin_y) - s.shear_y * cz, cz};
+}
+
 /// Weights (not normalised, all of one sign, sum not 0) of the corners at which the ray's line meets the triangle, and
 /// its parameter t, which lies between those of the corners.
 struct ShearedHit {
@@ -64,25 +75,24 @@ struct ShearedHit {
 /// Vertices are sheared in float; edge functions of the results are taken in double, where their sign is exact, so the
 /// line is inside exactly if the sheared triangle holds the origin. False if it is not, or the sheared triangle is
 /// flat.
-[[gnu::always_inline]] inline bool hit_sheared(const Shear& s, const float* a, const float* b, const float* c,
-                                               ShearedHit& hit) {
-  const float az = a[s.z] - s.origin_z, bz = b[s.z] - s.origin_z, cz = c[s.z] - s.origin_z;
-  const float ax = (a[s.x] - s.origin_x) - s.shear_x * az, ay = (a[s.y] - s.origin_y) - s.shear_y * az;
-  const float bx = (b[s.x] - s.origin_x) - s.shear_x * bz, by = (b[s.y] - s.origin_y) - s.shear_y * bz;
-  const float cx = (c[s.x] - s.origin_x) - s.shear_x * cz, cy = (c[s.y] - s.origin_y) - s.shear_y * cz;
+[[gnu::always_inline]] inline bool hit_sheared(const ShearedTriangle& p, float scale_z, ShearedHit& hit) {
   const auto cross = [](float px, float py, float qx, float qy) {
     return static_cast<double>(px) * static_cast<double>(qy) - static_cast<double>(py) * static_cast<double>(qx);
   };
-  hit.u = cross(cx, cy, bx, by);
-  hit.v = cross(ax, ay, cx, cy);
-  hit.w = cross(bx, by, ax, ay);
+  hit.u = cross(p.cx, p.cy, p.bx, p.by);
+  hit.v = cross(p.ax, p.ay, p.cx, p.cy);
+  hit.w = cross(p.bx, p.by, p.ax, p.ay);
   if ((hit.u < 0.0 || hit.v < 0.0 || hit.w < 0.0) && (hit.u > 0.0 || hit.v > 0.0 || hit.w > 0.0)) return false;
   const double sum = hit.u + hit.v + hit.w;
   if (!(sum != 0.0)) return false;
   const double depth =
-      hit.u * static_cast<double>(az) + hit.v * static_cast<double>(bz) + hit.w * static_cast<double>(cz);
-  hit.t = depth / sum * static_cast<double>(s.scale_z);
+      hit.u * static_cast<double>(p.az) + hit.v * static_cast<double>(p.bz) + hit.w * static_cast<double>(p.cz);
+  hit.t = depth / sum * static_cast<double>(scale_z);
   return true;
+}
+[[gnu::always_inline]] inline bool hit_sheared(const Shear& s, const float* a, const float* b, const float* c,
+                                               ShearedHit& hit) {
+  return hit_sheared(sheared(s, a, b, c), s.scale_z, hit);
 }
 
 /// Watertight test within the ray's interval; no ray or no area as seen by the ray: no hit.

@@ -38,7 +38,7 @@ HWY_INLINE std::uint32_t bits_of(hn::Mask<Float> mask) {
   return bytes[0];
 }
 
-/// A triangle in every lane, or one in all of them: coordinates on the axes of the shear.
+/// A triangle in every lane, or one in all of them: coordinates on the axes of a shear, or sheared.
 struct Corners {
   Vec ax, ay, az, bx, by, bz, cx, cy, cz;
 };
@@ -53,10 +53,8 @@ struct Look {
   std::uint32_t maybe, certain;
 };
 
-/// Sheared as try_triangle does; edge functions in float, with a bound on their rounding, also
-/// where they are denormal.
-HWY_INLINE Look look_at(const Corners& p, const ShearLanes& s) {
-  const Float d;
+/// As sheared() does, bit by bit.
+HWY_INLINE Corners sheared(const Corners& p, const ShearLanes& s) {
   const Vec az = hn::Sub(p.az, s.origin_z), bz = hn::Sub(p.bz, s.origin_z), cz = hn::Sub(p.cz, s.origin_z);
   const Vec ax = hn::Sub(hn::Sub(p.ax, s.origin_x), hn::Mul(s.shear_x, az)),
             ay = hn::Sub(hn::Sub(p.ay, s.origin_y), hn::Mul(s.shear_y, az));
@@ -64,6 +62,13 @@ HWY_INLINE Look look_at(const Corners& p, const ShearLanes& s) {
             by = hn::Sub(hn::Sub(p.by, s.origin_y), hn::Mul(s.shear_y, bz));
   const Vec cx = hn::Sub(hn::Sub(p.cx, s.origin_x), hn::Mul(s.shear_x, cz)),
             cy = hn::Sub(hn::Sub(p.cy, s.origin_y), hn::Mul(s.shear_y, cz));
+  return {ax, ay, az, bx, by, bz, cx, cy, cz};
+}
+
+/// At sheared triangles: edge functions in float, with a bound on their rounding, also where they are denormal.
+HWY_INLINE Look look_at(const Corners& p, const ShearLanes& s) {
+  const Float d;
+  const auto& [ax, ay, az, bx, by, bz, cx, cy, cz] = p;
   const Vec u = hn::MulSub(cx, by, hn::Mul(cy, bx));
   const Vec v = hn::MulSub(ax, cy, hn::Mul(ay, cx));
   const Vec w = hn::MulSub(bx, ay, hn::Mul(by, ax));
@@ -99,6 +104,25 @@ HWY_INLINE bool try_triangle(const LeafWords& leaf, std::size_t i, const TraceRa
   return try_triangle(ray, corner, corner + 3, corner + 6, leaf.places[i], best);
 }
 
+/// Sheared triangles lane by lane.
+struct ShearedLanes {
+  HWY_ALIGN float value[9][lanes];
+};
+HWY_INLINE void store(const Corners& p, ShearedLanes& to) {
+  const Float d;
+  const Vec* from[9] = {&p.ax, &p.ay, &p.az, &p.bx, &p.by, &p.bz, &p.cx, &p.cy, &p.cz};
+  for (std::size_t j = 0; j < 9; ++j) hn::Store(*from[j], d, to.value[j]);
+}
+/// Triangle i of the leaf, which is in this lane of those sheared.
+HWY_INLINE bool try_triangle(const LeafWords& leaf, std::size_t i, const ShearedLanes& s, std::size_t lane,
+                             const TraceRay& ray, RayHit& best) {
+  float corner[9];
+  for (std::size_t j = 0; j < 9; ++j) corner[j] = leaf.coordinates[j * leaf.k + i];
+  const ShearedTriangle p{s.value[0][lane], s.value[1][lane], s.value[2][lane], s.value[3][lane], s.value[4][lane],
+                          s.value[5][lane], s.value[6][lane], s.value[7][lane], s.value[8][lane]};
+  return try_triangle(ray, p, corner, corner + 3, corner + 6, leaf.places[i], best);
+}
+
 HWY_INLINE std::uint32_t lowest(std::size_t bits) { return bits >= 32 ? ~0u : (1u << bits) - 1u; }
 
 inline Entry* large_stack(int depth) {
@@ -112,8 +136,7 @@ HWY_INLINE void prefetch(const Bvh8& tree, std::uint32_t ref) {
       reinterpret_cast<const char*>(tree.triangles.data() + std::size_t{ref & 0x0FFFFFFFu} * bvh8_words_per_triangle);
   const auto* node = reinterpret_cast<const char*>(tree.nodes.data() + (ref & 0x7FFFFFFFu));
   const char* at = (ref & bvh8_leaf) != 0 ? leaf : node;
-  hwy::Prefetch(at);
-  hwy::Prefetch(at + 64);
+  for (int line = 0; line < 4; ++line) hwy::Prefetch(at + 64 * line);  // a node, or six triangles
 }
 
 }  // namespace sightline::HWY_NAMESPACE

@@ -78,9 +78,11 @@ HWY_INLINE std::uint32_t stopped_by(const Bvh8& tree, std::uint32_t ref, const P
     const auto load = [&](int corner, int axis) HWY_ATTR {
       return hn::Set(d, leaf.coordinates[static_cast<std::size_t>(3 * corner + axis) * leaf.k + i]);
     };
-    const Look look = look_at({load(0, axes.x), load(0, axes.y), load(0, axes.z), load(1, axes.x), load(1, axes.y),
-                               load(1, axes.z), load(2, axes.x), load(2, axes.y), load(2, axes.z)},
-                              s);
+    const Look look =
+        look_at(sheared({load(0, axes.x), load(0, axes.y), load(0, axes.z), load(1, axes.x), load(1, axes.y),
+                         load(1, axes.z), load(2, axes.x), load(2, axes.y), load(2, axes.z)},
+                        s),
+                s);
     stopped |= look.certain & mask;
     for (std::uint32_t left = look.maybe & mask & ~stopped; left != 0; left &= left - 1) {
       const auto lane = static_cast<std::size_t>(std::countr_zero(left));

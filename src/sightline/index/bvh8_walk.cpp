@@ -112,24 +112,32 @@ HWY_INLINE bool try_leaf(const Bvh8& tree, std::uint32_t ref, const TraceRay& ra
     const auto load = [&](int corner, int axis) HWY_ATTR {
       return hn::LoadU(d, leaf.coordinates + static_cast<std::size_t>(3 * corner + axis) * leaf.k + i);
     };
-    const Look look = look_at({load(0, s.x), load(0, s.y), load(0, s.z), load(1, s.x), load(1, s.y), load(1, s.z),
+    const Corners p = sheared({load(0, s.x), load(0, s.y), load(0, s.z), load(1, s.x), load(1, s.y), load(1, s.z),
                                load(2, s.x), load(2, s.y), load(2, s.z)},
                               lanes_of_ray);
+    const Look look = look_at(p, lanes_of_ray);
     const std::uint32_t in_leaf = lowest(leaf.k - i);
     if (any && (look.certain & in_leaf) != 0) {
       best.triangle = 0;
       return true;
     }
-    for (std::uint32_t mask = look.maybe & in_leaf; mask != 0; mask &= mask - 1)
-      found |= try_triangle(leaf, i + static_cast<std::size_t>(std::countr_zero(mask)), ray, best);
+    std::uint32_t mask = look.maybe & in_leaf;
+    if (mask == 0) continue;
+    ShearedLanes in_lanes;
+    store(p, in_lanes);
+    for (; mask != 0; mask &= mask - 1) {
+      const auto lane = static_cast<std::size_t>(std::countr_zero(mask));
+      found |= try_triangle(leaf, i + lane, in_lanes, lane, ray, best);
+    }
   }
   return found;
 }
 
 /// Puts the children in the mask onto the stack, above the references where the ray enters (bits of a float that is not
-/// negative, which order as integers do); if they are to be sorted, the nearest last.
+/// negative, which order as integers do); if they are to be sorted, the nearest last, and if not, all are fetched
+/// ahead.
 template <bool sorted>
-HWY_INLINE void push(Entry* stack, std::size_t& top, const std::uint32_t* key, std::uint32_t mask,
+HWY_INLINE void push(const Bvh8& tree, Entry* stack, std::size_t& top, const std::uint32_t* key, std::uint32_t mask,
                      const Bvh8Node& node) {
   const std::size_t base = top;
   for (; mask != 0; mask &= mask - 1) {
@@ -139,6 +147,7 @@ HWY_INLINE void push(Entry* stack, std::size_t& top, const std::uint32_t* key, s
     if (sorted)
       for (; at > base && stack[at - 1] < entry; --at) stack[at] = stack[at - 1];
     stack[at] = entry;
+    if (!sorted) prefetch(tree, node.ref[child]);
   }
 }
 
@@ -174,9 +183,9 @@ HWY_INLINE RayHit walk(const Bvh8& tree, const TraceRay& ray, TraceCounters* cou
           prefetch(tree, static_cast<std::uint32_t>(stack[top - 1]));
           continue;
         }
-        push<!any>(stack, top, key, mask | 1u << first, node);
+        push<!any>(tree, stack, top, key, mask | 1u << first, node);
         ref = static_cast<std::uint32_t>(stack[--top]);
-        prefetch(tree, static_cast<std::uint32_t>(stack[top - 1]));
+        if (!any) prefetch(tree, static_cast<std::uint32_t>(stack[top - 1]));
         continue;
       }
     } else {

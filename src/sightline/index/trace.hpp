@@ -99,11 +99,12 @@ inline void pass_box(const TraceRay& ray, const glm::vec3& lo, const glm::vec3& 
 
 /// The test that decides: watertight, with t held within the passage of the ray through the triangle's box (edge-on a
 /// computed t may lie anywhere on the triangle). True, and `best` replaced, if the triangle is hit within [t_near,
-/// best.t] and nearer than best, or as near and of a lower place.
-[[gnu::always_inline]] inline bool try_triangle(const TraceRay& ray, const float* a, const float* b, const float* c,
-                                                std::uint32_t place, RayHit& best) {
+/// best.t] and nearer than best, or as near and of a lower place. `p` is the triangle of a, b and c as the ray's shear
+/// has it.
+[[gnu::always_inline]] inline bool try_triangle(const TraceRay& ray, const ShearedTriangle& p, const float* a,
+                                                const float* b, const float* c, std::uint32_t place, RayHit& best) {
   ShearedHit hit{};
-  if (!hit_sheared(ray.shear, a, b, c, hit)) return false;
+  if (!hit_sheared(p, ray.shear.scale_z, hit)) return false;
   float enter = -std::numeric_limits<float>::infinity(), leave = -enter;
   for (int axis = 0; axis < 3; ++axis) {
     const float lo = (std::min({a[axis], b[axis], c[axis]}) - ray.origin[axis]) * ray.inverse[axis];
@@ -115,6 +116,10 @@ inline void pass_box(const TraceRay& ray, const glm::vec3& lo, const glm::vec3& 
   if (!(t >= ray.t_near && t <= best.t) || (t == best.t && place >= best.triangle)) return false;
   best = {t, place};
   return true;
+}
+[[gnu::always_inline]] inline bool try_triangle(const TraceRay& ray, const float* a, const float* b, const float* c,
+                                                std::uint32_t place, RayHit& best) {
+  return try_triangle(ray, sheared(ray.shear, a, b, c), a, b, c, place, best);
 }
 
 inline bool try_triangle(const TraceRay& ray, const TriangleSoup& soup, std::uint32_t place, RayHit& best) {
