@@ -6,31 +6,43 @@
 #include <algorithm>
 
 #ifdef __SANITIZE_THREAD__
-#include <sanitizer/tsan_interface.h>
+#include <atomic>
+#include <exception>
+#include <mutex>
+#include <thread>
+#include <vector>
 #endif
 
 namespace sightline {
 namespace {
 
-/// Tells the thread sanitizer, which cannot see into oneTBB, that what happens before start() is seen by every block
-/// and what blocks did is seen after join(). Nothing in other builds.
-class ForkJoin {
- public:
 #ifdef __SANITIZE_THREAD__
-  void start() { __tsan_release(&started_); }
-  void enter() { __tsan_acquire(&started_); }
-  void leave() { __tsan_release(&ended_); }
-  void join() { __tsan_acquire(&ended_); }
-
- private:
-  char started_ = 0, ended_ = 0;
+/// The thread sanitizer cannot see into oneTBB, whose headers race all over for it; plain threads it understands.
+void run_blocks(std::size_t blocks, const std::function<void(std::size_t)>& run) {
+  std::atomic<std::size_t> next{0};
+  std::exception_ptr failure;
+  std::mutex failing;
+  const auto work = [&] {
+    try {
+      for (std::size_t b = next++; b < blocks; b = next++) run(b);
+    } catch (...) {
+      const std::lock_guard lock(failing);
+      if (!failure) failure = std::current_exception();
+    }
+  };
+  std::vector<std::thread> others;
+  for (std::size_t i = 1; i < std::min(blocks, static_cast<std::size_t>(thread_count())); ++i)
+    others.emplace_back(work);
+  work();
+  for (std::thread& other : others) other.join();
+  if (failure) std::rethrow_exception(failure);
+}
 #else
-  void start() {}
-  void enter() {}
-  void leave() {}
-  void join() {}
+template <class Run>
+void run_blocks(std::size_t blocks, const Run& run) {
+  tbb::parallel_for(std::size_t{0}, blocks, run);
+}
 #endif
-};
 
 }  // namespace
 
@@ -41,14 +53,7 @@ void parallel_blocks(std::size_t count, std::size_t block, const std::function<v
     if (count > 0) body(0, count);
     return;
   }
-  ForkJoin order;
-  order.start();
-  tbb::parallel_for(std::size_t{0}, blocks, [&](std::size_t b) {
-    order.enter();
-    body(b * block, std::min(count, (b + 1) * block));
-    order.leave();
-  });
-  order.join();
+  run_blocks(blocks, [&](std::size_t b) { body(b * block, std::min(count, (b + 1) * block)); });
 }
 
 ThreadLimit::ThreadLimit(int threads) {
