@@ -51,18 +51,20 @@ HWY_INLINE void for_touched(const Segment& s, const Run& run, const Tiles& tiles
   const float a = py - qy, b = qx - px, length = std::abs(a) + std::abs(b);
   const float scale =
       length > 1e-20f ? 1.0f / (length * (run.margins.square + margin)) : 0.0f;  // a point: its box decides
-  const Edge side{a * scale, b * scale, px, py}, other{-a * scale, -b * scale, px, py};
-  const Crossing crossing(side), other_crossing(other);
+  const Edge sides[2] = {{a * scale, b * scale, px, py}, {-a * scale, -b * scale, px, py}};
+  const Edge& side = sides[0];
   const bool cut = columns.last - columns.first > 2;
+  RowSpans spans;
   for (int row = rows.first; row <= rows.last; ++row) {
     const float y = static_cast<float>(row * tile_size) + 0.5f;
     TileRange range = columns;
     if (cut) {
-      RowCut row_cut{0.0f, static_cast<float>(tiles.width - 1), 0.0f, 0.0f};
-      row_cut.add(side, crossing, y, y + static_cast<float>(tile_size - 1));
-      row_cut.add(other, other_crossing, y, y + static_cast<float>(tile_size - 1));
-      const TileRange narrow = tile_range(row_cut.left, row_cut.right, tiles.width);
-      range = {std::max(narrow.first, columns.first), std::min(narrow.last, columns.last)};
+      const auto lane = static_cast<std::size_t>(row - rows.first) % tile_pixels;
+      if (lane == 0) {
+        const Crossing crossings[2] = {Crossing(sides[0]), Crossing(sides[1])};
+        cut_rows(sides, crossings, columns, tiles.width, row, rows.last - row + 1, spans);
+      }
+      range = {spans.first[lane], spans.last[lane]};
     }
     for (int column = range.first; column <= range.last; ++column) {
       const std::size_t tile =
@@ -104,9 +106,10 @@ HWY_INLINE void mark_contour(const DrawList& list, const Run& run, Tiles& tiles,
     const auto enter = [&](std::size_t tile, std::size_t place, float x, float y,
                            std::uint32_t bits) SIGHTLINE_INLINE_LAMBDA {
       const auto near = hn::Set(d, start + (gx * (x - s.x[0]) + gy * (y - s.y[0])));
-      const bool first = strip.rim[place] == no_piece;
-      if (first) touch(strip, tile, place);
-      Rim& rim = first ? append(strip.rims, strip.used_rims, strip.rim[place]) : strip.rims[strip.rim[place]];
+      Place& state = strip.places[place];
+      const bool first = state.rim == no_piece;
+      if (first) touch(strip, state, tile, place);
+      Rim& rim = first ? append(strip.rims, strip.used_rims, state.rim) : strip.rims[state.rim];
       for (std::size_t l = 0; l < tile_pixels; l += float_lanes()) {
         const auto hit = lanes_of(bits, l);
         const auto line = hn::Add(near, hn::Add(hn::Mul(hn::Set(d, gx), hn::Load(d, lane_x + l)),
@@ -131,8 +134,9 @@ HWY_INLINE void mark_flat(const DrawList& list, std::size_t t, float least, floa
   const Float d;
   const auto infinite = hn::Set(d, std::numeric_limits<float>::infinity());
   const auto enter = [&](std::size_t, std::size_t place, float, float, std::uint32_t bits) SIGHTLINE_INLINE_LAMBDA {
-    if (strip.rim[place] == no_piece) return;
-    Piece& piece = add_piece(strip, strip.piece[place]);
+    Place& state = strip.places[place];
+    if (state.rim == no_piece) return;
+    Piece& piece = add_piece(strip, state.piece);
     piece.least = least;
     piece.rise = most - least;
     piece.most = most;
@@ -147,19 +151,19 @@ HWY_INLINE void mark_flat(const DrawList& list, std::size_t t, float least, floa
 }
 
 /// The nearness that a tile's pieces prove in lanes from l on, where asked; -inf where none.
-HWY_INLINE hn::Vec<Float> proven_by_pieces(const Strip& strip, std::size_t place, std::size_t l,
+HWY_INLINE hn::Vec<Float> proven_by_pieces(const Strip& strip, const Place& place, std::size_t l,
                                            hn::Mask<Float> asked) {
   const Float d;
   const auto none = hn::Set(d, nothing_near), infinite = hn::Neg(none);
   const Piece* pieces = strip.pieces.data();
   // Levels before and behind all edges.
-  const Rim& rim = strip.rims[strip.rim[place]];
+  const Rim& rim = strip.rims[place.rim];
   auto before = hn::Load(d, rim.high + l), behind = hn::Load(d, rim.low + l);
   // What the triangles before and behind them prove; all again if one reaches across, for it moves the level.
   for (;;) {
     auto near = infinite, far = infinite, near_covered = none, far_covered = none;
     auto moved = hn::Lt(none, none);
-    for (std::uint32_t i = strip.piece[place]; i != no_piece; i = pieces[i].next) {
+    for (std::uint32_t i = place.piece; i != no_piece; i = pieces[i].next) {
       const auto plane = hn::Load(d, pieces[i].plane + l);
       const auto low = hn::Max(plane, hn::Set(d, pieces[i].least));
       const auto high = hn::Min(hn::Add(plane, hn::Set(d, pieces[i].rise)), hn::Set(d, pieces[i].most));
@@ -187,28 +191,26 @@ HWY_INLINE void commit(Tiles& tiles, Strip& strip) {
   const Float d;
   const auto none = hn::Set(d, nothing_near), infinite = hn::Neg(none);
   for (const auto [tile, place] : strip.touched) {
-    const std::uint32_t covered = strip.covered[place];
-    const bool has_contour = strip.rim[place] != no_piece;
+    Place& state = strip.places[place];
+    const bool has_contour = state.rim != no_piece;
     auto farthest = infinite;
     for (std::size_t l = 0; l < tile_pixels; l += float_lanes()) {
       float* hidden = tiles.hidden[tile].lane + l;
       auto now = hn::Load(d, hidden);
+      const auto asked = lanes_of(state.covered, l);
       if (!has_contour) {
         float* layer = strip.layer[place].lane + l;
-        const auto proven = hn::IfThenElse(lanes_of(covered, l), hn::Load(d, layer), none);
+        now = hn::Max(now, hn::IfThenElse(asked, hn::Load(d, layer), none));
         hn::Store(infinite, d, layer);
-        now = hn::Max(now, proven);
         hn::Store(now, d, hidden);
-      } else if (const auto asked = lanes_of(covered, l); !hn::AllFalse(d, asked)) {
-        now = hn::Max(now, proven_by_pieces(strip, place, l, asked));
+      } else if (!hn::AllFalse(d, asked)) {
+        now = hn::Max(now, proven_by_pieces(strip, state, l, asked));
         hn::Store(now, d, hidden);
       }
       farthest = hn::Min(farthest, now);
     }
     tiles.farthest[tile] = hn::GetLane(hn::MinOfLanes(d, farthest));
-    strip.covered[place] = 0;
-    strip.rim[place] = strip.piece[place] = no_piece;
-    strip.listed[place] = 0;
+    state = {};
   }
   strip.touched.clear();
   strip.used_pieces = strip.used_rims = 0;
