@@ -30,24 +30,35 @@ HWY_INLINE Piece& add_piece(Strip& strip, std::uint32_t& first) {
   return piece;
 }
 
-/// In pixels.
+/// In pixels, with the box that the margin widens and the tiles of the strip that this meets.
 struct Segment {
   float x[2], y[2];
+  float low_x, high_x, low_y, high_y;
+  TileRange columns, rows;
+
+  HWY_INLINE Segment(float px, float py, float qx, float qy, float margin, const Tiles& tiles, const Strip& strip)
+      : x{px, qx},
+        y{py, qy},
+        low_x(std::min(px, qx) - margin),
+        high_x(std::max(px, qx) + margin),
+        low_y(std::min(py, qy) - margin),
+        high_y(std::max(py, qy) + margin),
+        columns(within(tile_range(low_x, high_x, tiles.width), strip)),
+        rows(tile_range(low_y, high_y, tiles.height)) {}
+  [[nodiscard]] HWY_INLINE bool outside() const { return columns.first > columns.last || rows.first > rows.last; }
 };
 
 /// Calls visit(tile, place, x, y, bits) for every tile with pixels whose squares, widened by the margin, the segment
-/// touches (separating axes: x, y, its normal); x, y: the centre of the tile's first pixel.
+/// touches (separating axes: x, y, its normal); x, y: the centre of the tile's first pixel. The segment is not outside.
 template <class Visit>
 HWY_INLINE void for_touched(const Segment& s, const Run& run, const Tiles& tiles, const Strip& strip,
                             const Visit& visit) {
   const Float d;
   const float margin = run.margins.pixels, square = run.margins.square;
   const float px = s.x[0], py = s.y[0], qx = s.x[1], qy = s.y[1];
-  const float low_x = std::min(px, qx) - margin, high_x = std::max(px, qx) + margin;
-  const float low_y = std::min(py, qy) - margin, high_y = std::max(py, qy) + margin;
-  const TileRange columns = within(tile_range(low_x, high_x, tiles.width), strip);
-  const TileRange rows = tile_range(low_y, high_y, tiles.height);
-  if (columns.first > columns.last || rows.first > rows.last) return;
+  const auto left = hn::Set(d, s.low_x - square), right = hn::Set(d, s.high_x + square);
+  const auto top = hn::Set(d, s.low_y - square), bottom = hn::Set(d, s.high_y + square);
+  const TileRange columns = s.columns, rows = s.rows;
   const float a = py - qy, b = qx - px, length = std::abs(a) + std::abs(b);
   const float scale =
       length > 1e-20f ? 1.0f / (length * (run.margins.square + margin)) : 0.0f;  // a point: its box decides
@@ -78,8 +89,8 @@ HWY_INLINE void for_touched(const Segment& s, const Run& run, const Tiles& tiles
         const auto step = hn::Add(hn::Mul(hn::Set(d, side.a), lx), hn::Mul(hn::Set(d, side.b), ly));
         const auto cx = hn::Add(hn::Set(d, x), lx), cy = hn::Add(hn::Set(d, y), ly);
         auto hit = hn::Le(hn::Abs(hn::Add(middle, step)), hn::Set(d, 1.0f));
-        hit = hn::And(hit, hn::And(hn::Ge(cx, hn::Set(d, low_x - square)), hn::Le(cx, hn::Set(d, high_x + square))));
-        hit = hn::And(hit, hn::And(hn::Ge(cy, hn::Set(d, low_y - square)), hn::Le(cy, hn::Set(d, high_y + square))));
+        hit = hn::And(hit, hn::And(hn::Ge(cx, left), hn::Le(cx, right)));
+        hit = hn::And(hit, hn::And(hn::Ge(cy, top), hn::Le(cy, bottom)));
         bits |= bits_of(d, hit) << l;
       }
       if (bits != 0) visit(tile, strip.place(row, column), x, y, bits);
@@ -93,7 +104,9 @@ HWY_INLINE void mark_contour(const DrawList& list, const Run& run, Tiles& tiles,
   const auto infinite = hn::Set(d, std::numeric_limits<float>::infinity());
   const float reach = run.margins.square + run.margins.pixels;
   for (std::size_t e = run.first_edge; e < run.last_edge; ++e) {
-    const Segment s{{list.edge_x[0][e], list.edge_x[1][e]}, {list.edge_y[0][e], list.edge_y[1][e]}};
+    const Segment s(list.edge_x[0][e], list.edge_y[0][e], list.edge_x[1][e], list.edge_y[1][e], run.margins.pixels,
+                    tiles, strip);
+    if (s.outside()) continue;
     const float n0 = list.edge_near[0][e], n1 = list.edge_near[1][e];
     const float margin = std::max(std::abs(n0), std::abs(n1)) * run.margins.nearness_share + run.margins.nearness;
     const float least = std::min(n0, n1) - margin, most = std::max(n0, n1) + margin;
@@ -146,7 +159,8 @@ HWY_INLINE void mark_flat(const DrawList& list, std::size_t t, float least, floa
   };
   for (std::size_t i = 0; i < 3; ++i) {
     const std::size_t k = (i + 1) % 3;
-    for_touched({{list.x[i][t], list.x[k][t]}, {list.y[i][t], list.y[k][t]}}, run, tiles, strip, enter);
+    const Segment s(list.x[i][t], list.y[i][t], list.x[k][t], list.y[k][t], run.margins.pixels, tiles, strip);
+    if (!s.outside()) for_touched(s, run, tiles, strip, enter);
   }
 }
 
