@@ -45,6 +45,28 @@ TEST(OcclusionBuffer, AWallHidesWhatIsBehindItAndNothingElse) {
   }
 }
 
+TEST(OcclusionBuffer, ATallDiamondIsFilledFromTipToTip) {
+  constexpr int size = 301;  // more rows of tiles than are cut at once
+  const OccluderMesh diamond = occluder(cases::quad({-2, 0, -5}, {2, 2, 0}, {2, -2, 0}));
+  const View view = front_view(size, size);
+  const double reach = 2.0 / 5.0 * 0.5 * size / std::tan(0.5 * view.fov_y);  // pixels from the centre to a tip
+  for (const bool scalar : {false, true}) {
+    OcclusionBuffer buffer(scalar);
+    buffer.begin(view, size, size);
+    buffer.add_occluder(diamond, identity_affine());
+    for (int y = 0; y < size; ++y)
+      for (int x = 0; x < size; ++x) {
+        const double away = std::abs(x + 0.5 - 0.5 * size) + std::abs(y + 0.5 - 0.5 * size);
+        const float hidden = buffer.hidden_beyond(x, y);
+        if (away + 1.0 < reach - 0.1) {
+          ASSERT_NEAR(hidden, 5.0f, 0.01f) << x << ", " << y;
+        } else if (away + 1.0 > reach) {
+          ASSERT_TRUE(std::isinf(hidden)) << x << ", " << y;
+        }
+      }
+  }
+}
+
 TEST(OcclusionBuffer, TheInnerEdgesOfAFineMeshLeaveNoSeam) {
   Mesh grid;
   constexpr std::uint32_t n = 150;

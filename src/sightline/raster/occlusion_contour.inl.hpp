@@ -30,39 +30,52 @@ HWY_INLINE Piece& add_piece(Strip& strip, std::uint32_t& first) {
   return piece;
 }
 
-/// In pixels.
+/// In pixels, with the box that the margin widens and the tiles of the strip that this meets.
 struct Segment {
   float x[2], y[2];
+  float low_x, high_x, low_y, high_y;
+  TileRange columns, rows;
+
+  HWY_INLINE Segment(float px, float py, float qx, float qy, float margin, const Tiles& tiles, const Strip& strip)
+      : x{px, qx},
+        y{py, qy},
+        low_x(std::min(px, qx) - margin),
+        high_x(std::max(px, qx) + margin),
+        low_y(std::min(py, qy) - margin),
+        high_y(std::max(py, qy) + margin),
+        columns(within(tile_range(low_x, high_x, tiles.width), strip)),
+        rows(tile_range(low_y, high_y, tiles.height)) {}
+  [[nodiscard]] HWY_INLINE bool outside() const { return columns.first > columns.last || rows.first > rows.last; }
 };
 
 /// Calls visit(tile, place, x, y, bits) for every tile with pixels whose squares, widened by the margin, the segment
-/// touches (separating axes: x, y, its normal); x, y: the centre of the tile's first pixel.
+/// touches (separating axes: x, y, its normal); x, y: the centre of the tile's first pixel. The segment is not outside.
 template <class Visit>
 HWY_INLINE void for_touched(const Segment& s, const Run& run, const Tiles& tiles, const Strip& strip,
                             const Visit& visit) {
   const Float d;
   const float margin = run.margins.pixels, square = run.margins.square;
   const float px = s.x[0], py = s.y[0], qx = s.x[1], qy = s.y[1];
-  const float low_x = std::min(px, qx) - margin, high_x = std::max(px, qx) + margin;
-  const float low_y = std::min(py, qy) - margin, high_y = std::max(py, qy) + margin;
-  const TileRange columns = within(tile_range(low_x, high_x, tiles.width), strip);
-  const TileRange rows = tile_range(low_y, high_y, tiles.height);
-  if (columns.first > columns.last || rows.first > rows.last) return;
+  const auto left = hn::Set(d, s.low_x - square), right = hn::Set(d, s.high_x + square);
+  const auto top = hn::Set(d, s.low_y - square), bottom = hn::Set(d, s.high_y + square);
+  const TileRange columns = s.columns, rows = s.rows;
   const float a = py - qy, b = qx - px, length = std::abs(a) + std::abs(b);
   const float scale =
       length > 1e-20f ? 1.0f / (length * (run.margins.square + margin)) : 0.0f;  // a point: its box decides
-  const Edge side{a * scale, b * scale, px, py}, other{-a * scale, -b * scale, px, py};
-  const Crossing crossing(side), other_crossing(other);
+  const Edge sides[2] = {{a * scale, b * scale, px, py}, {-a * scale, -b * scale, px, py}};
+  const Edge& side = sides[0];
   const bool cut = columns.last - columns.first > 2;
+  RowSpans spans;
   for (int row = rows.first; row <= rows.last; ++row) {
     const float y = static_cast<float>(row * tile_size) + 0.5f;
     TileRange range = columns;
     if (cut) {
-      RowCut row_cut{0.0f, static_cast<float>(tiles.width - 1), 0.0f, 0.0f};
-      row_cut.add(side, crossing, y, y + static_cast<float>(tile_size - 1));
-      row_cut.add(other, other_crossing, y, y + static_cast<float>(tile_size - 1));
-      const TileRange narrow = tile_range(row_cut.left, row_cut.right, tiles.width);
-      range = {std::max(narrow.first, columns.first), std::min(narrow.last, columns.last)};
+      const auto lane = static_cast<std::size_t>(row - rows.first) % tile_pixels;
+      if (lane == 0) {
+        const Crossing crossings[2] = {Crossing(sides[0]), Crossing(sides[1])};
+        cut_rows(sides, crossings, columns, tiles.width, row, rows.last - row + 1, spans);
+      }
+      range = {spans.first[lane], spans.last[lane]};
     }
     for (int column = range.first; column <= range.last; ++column) {
       const std::size_t tile =
@@ -76,8 +89,8 @@ HWY_INLINE void for_touched(const Segment& s, const Run& run, const Tiles& tiles
         const auto step = hn::Add(hn::Mul(hn::Set(d, side.a), lx), hn::Mul(hn::Set(d, side.b), ly));
         const auto cx = hn::Add(hn::Set(d, x), lx), cy = hn::Add(hn::Set(d, y), ly);
         auto hit = hn::Le(hn::Abs(hn::Add(middle, step)), hn::Set(d, 1.0f));
-        hit = hn::And(hit, hn::And(hn::Ge(cx, hn::Set(d, low_x - square)), hn::Le(cx, hn::Set(d, high_x + square))));
-        hit = hn::And(hit, hn::And(hn::Ge(cy, hn::Set(d, low_y - square)), hn::Le(cy, hn::Set(d, high_y + square))));
+        hit = hn::And(hit, hn::And(hn::Ge(cx, left), hn::Le(cx, right)));
+        hit = hn::And(hit, hn::And(hn::Ge(cy, top), hn::Le(cy, bottom)));
         bits |= bits_of(d, hit) << l;
       }
       if (bits != 0) visit(tile, strip.place(row, column), x, y, bits);
@@ -91,7 +104,9 @@ HWY_INLINE void mark_contour(const DrawList& list, const Run& run, Tiles& tiles,
   const auto infinite = hn::Set(d, std::numeric_limits<float>::infinity());
   const float reach = run.margins.square + run.margins.pixels;
   for (std::size_t e = run.first_edge; e < run.last_edge; ++e) {
-    const Segment s{{list.edge_x[0][e], list.edge_x[1][e]}, {list.edge_y[0][e], list.edge_y[1][e]}};
+    const Segment s(list.edge_x[0][e], list.edge_y[0][e], list.edge_x[1][e], list.edge_y[1][e], run.margins.pixels,
+                    tiles, strip);
+    if (s.outside()) continue;
     const float n0 = list.edge_near[0][e], n1 = list.edge_near[1][e];
     const float margin = std::max(std::abs(n0), std::abs(n1)) * run.margins.nearness_share + run.margins.nearness;
     const float least = std::min(n0, n1) - margin, most = std::max(n0, n1) + margin;
@@ -104,9 +119,10 @@ HWY_INLINE void mark_contour(const DrawList& list, const Run& run, Tiles& tiles,
     const auto enter = [&](std::size_t tile, std::size_t place, float x, float y,
                            std::uint32_t bits) SIGHTLINE_INLINE_LAMBDA {
       const auto near = hn::Set(d, start + (gx * (x - s.x[0]) + gy * (y - s.y[0])));
-      const bool first = strip.rim[place] == no_piece;
-      if (first) touch(strip, tile, place);
-      Rim& rim = first ? append(strip.rims, strip.used_rims, strip.rim[place]) : strip.rims[strip.rim[place]];
+      Place& state = strip.places[place];
+      const bool first = state.rim == no_piece;
+      if (first) touch(strip, state, tile, place);
+      Rim& rim = first ? append(strip.rims, strip.used_rims, state.rim) : strip.rims[state.rim];
       for (std::size_t l = 0; l < tile_pixels; l += float_lanes()) {
         const auto hit = lanes_of(bits, l);
         const auto line = hn::Add(near, hn::Add(hn::Mul(hn::Set(d, gx), hn::Load(d, lane_x + l)),
@@ -131,8 +147,9 @@ HWY_INLINE void mark_flat(const DrawList& list, std::size_t t, float least, floa
   const Float d;
   const auto infinite = hn::Set(d, std::numeric_limits<float>::infinity());
   const auto enter = [&](std::size_t, std::size_t place, float, float, std::uint32_t bits) SIGHTLINE_INLINE_LAMBDA {
-    if (strip.rim[place] == no_piece) return;
-    Piece& piece = add_piece(strip, strip.piece[place]);
+    Place& state = strip.places[place];
+    if (state.rim == no_piece) return;
+    Piece& piece = add_piece(strip, state.piece);
     piece.least = least;
     piece.rise = most - least;
     piece.most = most;
@@ -142,24 +159,25 @@ HWY_INLINE void mark_flat(const DrawList& list, std::size_t t, float least, floa
   };
   for (std::size_t i = 0; i < 3; ++i) {
     const std::size_t k = (i + 1) % 3;
-    for_touched({{list.x[i][t], list.x[k][t]}, {list.y[i][t], list.y[k][t]}}, run, tiles, strip, enter);
+    const Segment s(list.x[i][t], list.y[i][t], list.x[k][t], list.y[k][t], run.margins.pixels, tiles, strip);
+    if (!s.outside()) for_touched(s, run, tiles, strip, enter);
   }
 }
 
 /// The nearness that a tile's pieces prove in lanes from l on, where asked; -inf where none.
-HWY_INLINE hn::Vec<Float> proven_by_pieces(const Strip& strip, std::size_t place, std::size_t l,
+HWY_INLINE hn::Vec<Float> proven_by_pieces(const Strip& strip, const Place& place, std::size_t l,
                                            hn::Mask<Float> asked) {
   const Float d;
   const auto none = hn::Set(d, nothing_near), infinite = hn::Neg(none);
   const Piece* pieces = strip.pieces.data();
   // Levels before and behind all edges.
-  const Rim& rim = strip.rims[strip.rim[place]];
+  const Rim& rim = strip.rims[place.rim];
   auto before = hn::Load(d, rim.high + l), behind = hn::Load(d, rim.low + l);
   // What the triangles before and behind them prove; all again if one reaches across, for it moves the level.
   for (;;) {
     auto near = infinite, far = infinite, near_covered = none, far_covered = none;
     auto moved = hn::Lt(none, none);
-    for (std::uint32_t i = strip.piece[place]; i != no_piece; i = pieces[i].next) {
+    for (std::uint32_t i = place.piece; i != no_piece; i = pieces[i].next) {
       const auto plane = hn::Load(d, pieces[i].plane + l);
       const auto low = hn::Max(plane, hn::Set(d, pieces[i].least));
       const auto high = hn::Min(hn::Add(plane, hn::Set(d, pieces[i].rise)), hn::Set(d, pieces[i].most));
@@ -187,28 +205,26 @@ HWY_INLINE void commit(Tiles& tiles, Strip& strip) {
   const Float d;
   const auto none = hn::Set(d, nothing_near), infinite = hn::Neg(none);
   for (const auto [tile, place] : strip.touched) {
-    const std::uint32_t covered = strip.covered[place];
-    const bool has_contour = strip.rim[place] != no_piece;
+    Place& state = strip.places[place];
+    const bool has_contour = state.rim != no_piece;
     auto farthest = infinite;
     for (std::size_t l = 0; l < tile_pixels; l += float_lanes()) {
       float* hidden = tiles.hidden[tile].lane + l;
       auto now = hn::Load(d, hidden);
+      const auto asked = lanes_of(state.covered, l);
       if (!has_contour) {
         float* layer = strip.layer[place].lane + l;
-        const auto proven = hn::IfThenElse(lanes_of(covered, l), hn::Load(d, layer), none);
+        now = hn::Max(now, hn::IfThenElse(asked, hn::Load(d, layer), none));
         hn::Store(infinite, d, layer);
-        now = hn::Max(now, proven);
         hn::Store(now, d, hidden);
-      } else if (const auto asked = lanes_of(covered, l); !hn::AllFalse(d, asked)) {
-        now = hn::Max(now, proven_by_pieces(strip, place, l, asked));
+      } else if (!hn::AllFalse(d, asked)) {
+        now = hn::Max(now, proven_by_pieces(strip, state, l, asked));
         hn::Store(now, d, hidden);
       }
       farthest = hn::Min(farthest, now);
     }
     tiles.farthest[tile] = hn::GetLane(hn::MinOfLanes(d, farthest));
-    strip.covered[place] = 0;
-    strip.rim[place] = strip.piece[place] = no_piece;
-    strip.listed[place] = 0;
+    state = {};
   }
   strip.touched.clear();
   strip.used_pieces = strip.used_rims = 0;

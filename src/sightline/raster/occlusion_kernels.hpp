@@ -120,6 +120,15 @@ struct alignas(64) Rim {
 };
 inline constexpr std::uint32_t no_piece = 0xFFFFFFFFu;  // and no rim
 
+/// What the current surface has done to a tile of a strip.
+struct Place {
+  std::uint32_t rim = no_piece, piece = no_piece;  // the latter the first one; no piece without a rim
+  /// Bit per lane: the centre is covered by a triangle that shares the pixel with others and that is nearer than what
+  /// is hidden already; in tiles without a contour all that may be.
+  std::uint16_t covered = 0;
+  std::uint8_t listed = 0;  // is in `touched`
+};
+
 /// Columns of tiles that one thread draws, and all that it writes but for the buffer itself. The layer gathers the
 /// pixels that several triangles of the current surface share, pieces do so in tiles with a contour; between surfaces
 /// all from the layer to `touched` is empty.
@@ -130,11 +139,7 @@ struct Strip {
   int first_column = 0, last_column = -1;  // inclusive
   // By place, that is by tile of the strip.
   std::vector<TilePixels> layer;  // least nearness of the surface's triangles that touch the pixel; else +inf
-  /// Bit per lane: the centre is covered by one of those triangles; in tiles with a contour, by one that is nearer than
-  /// what is hidden already.
-  std::vector<std::uint16_t> covered;
-  std::vector<std::uint32_t> rim, piece;  // of the tile, the latter the first one; no piece without a rim
-  std::vector<std::uint8_t> listed;       // is in `touched`
+  std::vector<Place> places;
   std::vector<Piece> pieces;
   std::vector<Rim> rims;
   std::size_t used_pieces = 0, used_rims = 0;

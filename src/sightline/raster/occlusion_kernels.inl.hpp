@@ -58,30 +58,24 @@ class TriangleFill {
 
   HWY_INLINE void rows(TileRange all_columns, TileRange rows) {
     const TileRange columns = within(all_columns, strip_);
-    if (all_columns.last - all_columns.first <= 2) {  // whatever the strip, so that the same tiles count as filled
-      for (int row = rows.first; row <= rows.last; ++row)
-        for (int column = columns.first; column <= columns.last; ++column) any_tile(row, column);
-      return;
-    }
-    const Crossing crossings[3] = {Crossing(edges_[0]), Crossing(edges_[1]), Crossing(edges_[2])};
-    const auto width = static_cast<float>(tiles_.width);
+    const bool wide = all_columns.last - all_columns.first > 2;  // whatever the strip, so that the same tiles count
+    RowSpans spans;
     for (int row = rows.first; row <= rows.last; ++row) {
-      const float y = static_cast<float>(row * tile_size) + 0.5f;
-      RowCut cut{0.0f, width - 1.0f, 0.0f, width};
-      for (int i = 0; i < 3; ++i) cut.add(edges_[i], crossings[i], y, y + static_cast<float>(tile_size - 1));
-      TileRange range = tile_range(cut.left, cut.right, tiles_.width);
-      range = {std::max(range.first, columns.first), std::min(range.last, columns.last)};
-      if (range.first > range.last) continue;
-      // Tiles whose centres from the first to the last column lie within [in_left, in_right].
-      TileRange inner{range.last + 1, range.last};
-      if (cut.in_left <= cut.in_right) {
-        inner.first = std::max(range.first, static_cast<int>(cut.in_left + 3.5f) / tile_size);
-        inner.last = std::min(range.last, cut.in_right < 3.5f ? -1 : static_cast<int>(cut.in_right - 3.5f) / tile_size);
-        if (inner.first > inner.last) inner = {range.last + 1, range.last};
+      TileRange range = columns, inner{columns.last + 1, columns.last};
+      if (wide) {
+        const auto at = static_cast<std::size_t>(row - rows.first) % tile_pixels;
+        if (at == 0) {
+          const Crossing crossings[3] = {Crossing(edges_[0]), Crossing(edges_[1]), Crossing(edges_[2])};
+          cut_rows(edges_, crossings, columns, tiles_.width, row, rows.last - row + 1, spans);
+        }
+        range = {spans.first[at], spans.last[at]};
+        inner = {spans.inner_first[at], spans.inner_last[at]};
       }
-      for (int column = range.first; column < inner.first; ++column) any_tile(row, column);
-      for (int column = inner.first; column <= inner.last; ++column) whole_tile(row, column);
-      for (int column = inner.last + 1; column <= range.last; ++column) any_tile(row, column);
+      for (int column = range.first; column <= range.last; ++column) {
+        if (column == inner.first)
+          for (; column <= inner.last; ++column) whole_tile(row, column);
+        if (column <= range.last) any_tile(row, column);
+      }
     }
   }
 
@@ -123,70 +117,99 @@ class TriangleFill {
     const float near0 = near_at(x, y);
     const auto at0 = hn::Set(d, at(edges_[0], x, y)), at1 = hn::Set(d, at(edges_[1], x, y)),
                at2 = hn::Set(d, at(edges_[2], x, y));
-    HWY_ALIGN float inside[tile_pixels];  // of all edges, least
-    auto least_inside = hn::Set(d, std::numeric_limits<float>::infinity()), most_inside = hn::Neg(least_inside);
-    for (std::size_t l = 0; l < tile_pixels; l += float_lanes()) {
-      const auto here = min3(hn::Add(at0, hn::Load(d, edge_step_[0] + l)), hn::Add(at1, hn::Load(d, edge_step_[1] + l)),
-                             hn::Add(at2, hn::Load(d, edge_step_[2] + l)));
-      hn::Store(here, d, inside + l);
-      least_inside = hn::Min(least_inside, here);
-      most_inside = hn::Max(most_inside, here);
+    hn::Vec<Float> inside[tile_vectors];  // of all edges, least
+    auto most_inside = hn::Set(d, nothing_near);
+    for (std::size_t v = 0; v < tile_vectors; ++v) {
+      const std::size_t l = v * float_lanes();
+      inside[v] = min3(hn::Add(at0, hn::Load(d, edge_step_[0] + l)), hn::Add(at1, hn::Load(d, edge_step_[1] + l)),
+                       hn::Add(at2, hn::Load(d, edge_step_[2] + l)));
+      most_inside = hn::Max(most_inside, inside[v]);
     }
-    const auto all_inside = hn::Set(d, 1.0f), outside = hn::Set(d, -1.0f);
+    const auto outside = hn::Set(d, -1.0f);
     if (hn::AllFalse(d, hn::Ge(most_inside, outside))) return;
     ++strip_.tiles_filled;
-    const auto near_here = hn::Set(d, near0), least = hn::Set(d, least_);
-    const auto near_of = [&](std::size_t l) SIGHTLINE_INLINE_LAMBDA {
-      return hn::Max(hn::Add(near_here, hn::Load(d, near_step_ + l)), least);
-    };
-    if (!hn::AllFalse(d, hn::Ge(most_inside, all_inside))) {  // some pixels are covered wholly
-      float* hidden = tiles_.hidden[tile].lane;
-      for (std::size_t l = 0; l < tile_pixels; l += float_lanes()) {
-        const auto old = hn::Load(d, hidden + l);
-        const auto whole = hn::Ge(hn::Load(d, inside + l), all_inside);
-        hn::Store(hn::IfThenElse(whole, hn::Max(old, near_of(l)), old), d, hidden + l);
-      }
-      if (hn::AllTrue(d, hn::Ge(least_inside, all_inside))) {
-        tiles_.farthest[tile] = std::max(tiles_.farthest[tile], std::max(near0 + least_step_, least_));
-        return;
-      }
-    }
-    // Pixels that this triangle covers in part.
     const std::size_t place = strip_.place(row, column);
-    const bool has_contour = strip_.rim[place] != no_piece;
-    float* layer = strip_.layer[place].lane;
-    Piece* piece = has_contour ? &add_piece(strip_, strip_.piece[place]) : nullptr;
-    const auto none = hn::Set(d, std::numeric_limits<float>::infinity());
-    const float* hidden = tiles_.hidden[tile].lane;
+    Place& state = strip_.places[place];
+    touch(strip_, state, tile, place);
+    if (state.rim != no_piece)
+      contour_tile(inside, near0, x, y, tiles_.hidden[tile].lane, state);
+    else if (tiles_.farthest[tile] >= std::max(std::min(near0 + largest_step_, most_), least_))
+      spoil_tile(inside, near0, strip_.layer[place].lane);
+    else
+      inner_tile(inside, near0, x, y, tiles_.hidden[tile].lane, strip_.layer[place].lane, state);
+  }
+
+  /// What a tile loop knows of the lanes from l on. Pixels are covered wholly or shared with others.
+  struct Lanes {
+    hn::Vec<Float> plane, low;
+    hn::Mask<Float> whole, shared;
+  };
+  HWY_INLINE Lanes lanes(hn::Vec<Float> inside, float near0, std::size_t l) const {
+    const Float d;
+    const auto plane = hn::Add(hn::Set(d, near0), hn::Load(d, near_step_ + l));
+    const auto whole = hn::Ge(inside, hn::Set(d, 1.0f));
+    return {plane, hn::Max(plane, hn::Set(d, least_)), whole, hn::AndNot(whole, hn::Ge(inside, hn::Set(d, -1.0f)))};
+  }
+  /// Lanes whose centre counts as covered; x, y: the centre of the tile's first pixel.
+  HWY_INLINE hn::Mask<Float> centres(hn::Vec<Float> inside, float x, float y, std::size_t l) const {
+    const Float d;
+    const auto px = hn::Load(d, lane_x + l), py = hn::Load(d, lane_y + l);
+    const auto in_x = hn::And(hn::Ge(px, hn::Set(d, box_low_x_ - x)), hn::Le(px, hn::Set(d, box_high_x_ - x)));
+    const auto in_y = hn::And(hn::Ge(py, hn::Set(d, box_low_y_ - y)), hn::Le(py, hn::Set(d, box_high_y_ - y)));
+    return hn::And(hn::Ge(inside, hn::Set(d, -edge_slack)), hn::And(in_x, in_y));
+  }
+  static HWY_INLINE void raise(float* hidden, const Lanes& here) {
+    const Float d;
+    const auto old = hn::Load(d, hidden);
+    hn::Store(hn::IfThenElse(here.whole, hn::Max(old, here.low), old), d, hidden);
+  }
+  static HWY_INLINE void lower(float* layer, const Lanes& here) {
+    const Float d;
+    const auto old = hn::Load(d, layer);
+    hn::Store(hn::IfThenElse(here.shared, hn::Min(old, here.low), old), d, layer);
+  }
+
+  /// A tile without a contour, all of which hides the triangle: pixels that it shares prove nothing any more.
+  HWY_INLINE void spoil_tile(const hn::Vec<Float>* inside, float near0, float* layer) const {
+    for (std::size_t v = 0; v < tile_vectors; ++v)
+      lower(layer + v * float_lanes(), lanes(inside[v], near0, v * float_lanes()));
+  }
+
+  /// A tile without a contour.
+  HWY_INLINE void inner_tile(const hn::Vec<Float>* inside, float near0, float x, float y, float* hidden, float* layer,
+                             Place& state) const {
+    std::uint32_t covered = 0;
+    for (std::size_t v = 0; v < tile_vectors; ++v) {
+      const std::size_t l = v * float_lanes();
+      const Lanes here = lanes(inside[v], near0, l);
+      raise(hidden + l, here);
+      lower(layer + l, here);
+      covered |= bits_of(Float(), hn::And(here.shared, centres(inside[v], x, y, l))) << l;
+    }
+    state.covered = static_cast<std::uint16_t>(state.covered | covered);
+  }
+
+  /// A tile with a contour: what the triangle is there is kept as a piece.
+  HWY_INLINE void contour_tile(const hn::Vec<Float>* inside, float near0, float x, float y, float* hidden,
+                               Place& state) const {
+    const Float d;
+    Piece& piece = add_piece(strip_, state.piece);
+    piece.least = least_;
+    piece.rise = rise_;
+    piece.most = most_;
     std::uint32_t covered = 0, promising = 0;
-    const auto limit = [&](float value) SIGHTLINE_INLINE_LAMBDA { return hn::Set(d, value); };
-    const auto left = limit(box_low_x_ - x), right = limit(box_high_x_ - x), top = limit(box_low_y_ - y),
-               bottom = limit(box_high_y_ - y);
-    for (std::size_t l = 0; l < tile_pixels; l += float_lanes()) {
-      const auto here = hn::Load(d, inside + l);
-      const auto shared = hn::AndNot(hn::Ge(here, all_inside), hn::Ge(here, outside));
-      const auto plane = hn::Add(near_here, hn::Load(d, near_step_ + l));
-      const auto low = hn::Max(plane, least);
-      if (piece != nullptr)
-        hn::Store(hn::IfThenElse(shared, plane, none), d, piece->plane + l);
-      else
-        hn::Store(hn::Min(hn::Load(d, layer + l), hn::IfThenElse(shared, low, none)), d, layer + l);
-      const auto px = hn::Load(d, lane_x + l), py = hn::Load(d, lane_y + l);
-      const auto in_box =
-          hn::And(hn::And(hn::Ge(px, left), hn::Le(px, right)), hn::And(hn::Ge(py, top), hn::Le(py, bottom)));
-      const auto centre = hn::And(hn::And(shared, hn::Ge(here, hn::Set(d, -edge_slack))), in_box);
+    for (std::size_t v = 0; v < tile_vectors; ++v) {
+      const std::size_t l = v * float_lanes();
+      const Lanes here = lanes(inside[v], near0, l);
+      raise(hidden + l, here);
+      hn::Store(hn::IfThenElse(here.shared, here.plane, hn::Set(d, std::numeric_limits<float>::infinity())), d,
+                piece.plane + l);
+      const auto centre = hn::And(here.shared, centres(inside[v], x, y, l));
       covered |= bits_of(d, centre) << l;
-      if (piece != nullptr) promising |= bits_of(d, hn::And(centre, hn::Gt(low, hn::Load(d, hidden + l)))) << l;
+      promising |= bits_of(d, hn::And(centre, hn::Gt(here.low, hn::Load(d, hidden + l)))) << l;
     }
-    if (piece != nullptr) {
-      piece->least = least_;
-      piece->rise = rise_;
-      piece->most = most_;
-      piece->covered = covered;
-      covered = promising;
-    }
-    strip_.covered[place] = static_cast<std::uint16_t>(strip_.covered[place] | covered);
-    touch(strip_, tile, place);
+    piece.covered = covered;
+    state.covered = static_cast<std::uint16_t>(state.covered | promising);
   }
 
   Edge edges_[3];

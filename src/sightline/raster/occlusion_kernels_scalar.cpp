@@ -65,15 +65,12 @@ void Strip::begin(const Tiles& tiles, int first, int last) {
   first_column = first;
   last_column = last;
   triangles_filled = tiles_filled = 0;
-  const std::size_t places = place(tiles.down, first);
-  if (layer.size() >= places) return;  // drawing leaves it empty
+  const std::size_t count = place(tiles.down, first);
+  if (layer.size() >= count) return;  // drawing leaves it empty
   TilePixels empty;
   std::fill_n(empty.lane, tile_pixels, std::numeric_limits<float>::infinity());
-  layer.assign(places, empty);
-  covered.assign(places, 0);
-  piece.assign(places, no_piece);
-  rim.assign(places, no_piece);
-  listed.assign(places, 0);
+  layer.assign(count, empty);
+  places.assign(count, {});
 }
 
 }  // namespace sightline::raster

@@ -29,6 +29,7 @@ using Float = hn::CappedTag<float, tile_pixels>;
 using Int = hn::RebindToSigned<Float>;
 
 HWY_INLINE std::size_t float_lanes() { return hn::Lanes(Float()); }
+inline constexpr std::size_t tile_vectors = tile_pixels / hn::MaxLanes(Float());
 
 /// Pixel offsets of the lanes of a tile, from the centre of its first pixel.
 HWY_ALIGN inline constexpr float lane_x[tile_pixels] = {0, 1, 2, 3, 0, 1, 2, 3, 0, 1, 2, 3, 0, 1, 2, 3};
