@@ -232,7 +232,7 @@ HWY_INLINE bool hides_tiles(const Tiles& tiles, TileRange columns, TileRange row
         tiles.farthest.data() + static_cast<std::size_t>(row) * static_cast<std::size_t>(tiles.across);
     const auto last = static_cast<std::size_t>(columns.last) + 1;
     for (auto i = static_cast<std::size_t>(columns.first); i < last; i += float_lanes()) {
-      auto open = hn::Lt(hn::LoadU(d, farthest + i), limit);
+      auto open = hn::Lt(load_some(farthest + i, last - i), limit);
       open = hn::And(open, hn::FirstN(d, std::min(float_lanes(), last - i)));
       if (!hn::AllFalse(d, open)) return false;
     }

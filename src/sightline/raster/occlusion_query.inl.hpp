@@ -39,7 +39,7 @@ inline bool hides(const Tiles& tiles, int x0, int y0, int x1, int y1, float near
   for (int row = y0 / tile_size; row <= (y1 - 1) / tile_size; ++row) {
     const std::size_t base = static_cast<std::size_t>(row) * static_cast<std::size_t>(tiles.across);
     for (std::size_t i = first; i < last; i += float_lanes()) {
-      auto open = hn::Le(hn::LoadU(d, tiles.farthest.data() + base + i), limit);
+      auto open = hn::Le(load_some(tiles.farthest.data() + base + i, last - i), limit);
       open = hn::And(open, hn::FirstN(d, std::min(float_lanes(), last - i)));
       if (hn::AllFalse(d, open)) continue;
       std::uint32_t bits = bits_of(d, open);

@@ -42,6 +42,20 @@ HWY_INLINE std::uint32_t bits_of(Float d, Mask mask) {
   return bytes[0] | (static_cast<std::uint32_t>(bytes[1]) << 8);
 }
 
+/// The first of `count` numbers, as many as there are lanes. Those from `count` on are read too and may be anything:
+/// they belong to tiles of another strip, in which another thread writes meanwhile. The thread sanitizer sees none of
+/// them.
+HWY_INLINE hn::Vec<Float> load_some(const float* from, [[maybe_unused]] std::size_t count) {
+  const Float d;
+#ifdef __SANITIZE_THREAD__
+  HWY_ALIGN float lanes[tile_pixels] = {};
+  std::copy_n(from, std::min(count, float_lanes()), lanes);
+  return hn::Load(d, lanes);
+#else
+  return hn::LoadU(d, from);
+#endif
+}
+
 HWY_ALIGN inline constexpr std::int32_t lane_bit[tile_pixels] = {1 << 0,  1 << 1,  1 << 2,  1 << 3, 1 << 4,  1 << 5,
                                                                  1 << 6,  1 << 7,  1 << 8,  1 << 9, 1 << 10, 1 << 11,
                                                                  1 << 12, 1 << 13, 1 << 14, 1 << 15};
