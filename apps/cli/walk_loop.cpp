@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <iterator>
 #include <stdexcept>
 
 #include "interrupt.hpp"
@@ -123,10 +124,9 @@ class Walker {
       if (truth) {
         const Truth* const own = own_truth(*contenders_[i].culler, view, drawn);
         compare(own != nullptr ? *own : *truth, contenders_[i].visible, answers[i]);
-        if (own == nullptr && options_.samples > 1 && report_.runs[i].promise == Promise::conservative &&
-            !answers[i].missed.empty()) {
+        if (own == nullptr && options_.samples > 1 && report_.runs[i].promise == Promise::conservative) {
           if (!centres) centres = walk_scene_.oracle().look(view);
-          answers[i].unpromised = answers[i].missed.size() - judge(*centres, contenders_[i].visible).missed.size();
+          compare_at_centres(*centres, contenders_[i].visible, answers[i]);
         }
       }
       if (with_state) answers[i].state = object_states(frustum_, contenders_[i].visible, truth ? &*truth : nullptr);
@@ -189,6 +189,16 @@ class Walker {
     answer.missed = std::move(verdict.missed);
     answer.missed_samples = verdict.missed_samples;
     answer.extra = verdict.extra;
+  }
+
+  /// For a promise about pixel centres, which need not be among the samples: what is missed there is missed, and only
+  /// the rest was not promised.
+  static void compare_at_centres(const Truth& centres, const VisibleSet& visible, WalkAnswer& answer) {
+    const std::vector<ObjectId> broken = judge(centres, visible).missed;
+    std::vector<ObjectId> all;
+    std::set_union(answer.missed.begin(), answer.missed.end(), broken.begin(), broken.end(), std::back_inserter(all));
+    answer.missed = std::move(all);
+    answer.unpromised = answer.missed.size() - broken.size();
   }
 
   const WalkOptions& options_;

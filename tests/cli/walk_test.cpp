@@ -84,6 +84,19 @@ TEST_F(Walk, WithoutTruthNothingIsClaimed) {
   EXPECT_EQ(json.at("summary").at("verdict"), "unverified");
 }
 
+TEST_F(Walk, APromiseForPixelCentresIsJudgedThereWhateverTheSamples) {
+  const Outcome outcome = run({"walk", "generate:city:objects=3000", "--frames", "20", "--size", "96x54", "--samples",
+                               "4", "--method", "occlusion_virtual:step=1", "--json", "-"});
+  EXPECT_EQ(outcome.code, 0) << outcome.err;
+  const Json frames = outcome.json().at("frames");
+  std::size_t missed = 0;
+  for (const Json& frame : frames) {
+    EXPECT_EQ(frame.at("missed"), frame.at("unpromised"));
+    missed += frame.at("missed").get<std::size_t>();
+  }
+  EXPECT_GT(missed, 0u) << "the walk shows nothing";
+}
+
 TEST_F(Walk, SeveralMethodsShareOneTruth) {
   const Outcome outcome = small_walk({"--method", "none,frustum_linear"});
   ASSERT_EQ(outcome.code, 0) << outcome.err;

@@ -6,11 +6,9 @@
 #include <cmath>
 
 #include "sightline/geometry/frustum.hpp"
-#include "sightline/index/axis_tree.hpp"
 #include "sightline/index/bvh8.hpp"
 #include "sightline/index/bvh_builders.hpp"
 #include "sightline/index/coherent_order.hpp"
-#include "sightline/index/grid.hpp"
 #include "sightline/index/kdtree.hpp"
 #include "sightline/index/tracer.hpp"
 #include "sightline/parallel/parallel.hpp"
@@ -395,65 +393,6 @@ TEST(Trace, IdsNameObjectAndTriangle) {
       ASSERT_EQ(soup.ids(place).triangle, t);
     }
   EXPECT_EQ(place, soup.size());
-}
-
-TEST(Grid, HoldsAFewCellsForEachTriangleAndNeverMoreThanAsked) {  // 14.02, 14.03
-  const TriangleSoup soup = soup_of(generate_scene("city", {.objects = 60}));
-  const auto cells = [](const Grid& grid) {
-    return static_cast<double>(grid.resolution.x) * grid.resolution.y * grid.resolution.z;
-  };
-  const double n = static_cast<double>(soup.size());
-  const Grid grid = build_grid(soup);
-  EXPECT_GT(cells(grid), 0.5 * n);
-  EXPECT_LT(cells(grid), 8.0 * n);
-  const Grid finer = build_grid(soup, {.cells_per_triangle = 16.0});
-  EXPECT_GT(cells(finer), 4.0 * cells(grid));
-  EXPECT_GT(finer.bytes(), grid.bytes());
-  EXPECT_LE(cells(build_grid(soup, {.cells_per_triangle = 1e6, .most_cells = 1000})), 1000.0);
-}
-
-TEST(AxisTree, SplittingEndsWhereOneReferencePerCellWouldNot) {
-  TriangleSoup fan;  // 50 triangles around one point: no cell at it ever holds one (E26)
-  Random random(3);
-  for (int i = 0; i < 50; ++i) add(fan, {0, 0, 0}, glm::vec3(random.direction()), glm::vec3(random.direction()));
-  const AxisTree tree = build_axis_tree(fan, {.leaf_size = 1, .max_depth = 12});
-  EXPECT_LT(tree.nodes.size(), 100000u);
-  std::uint32_t fullest = 0;
-  int deepest = 0;
-  for_each_cell(tree, [&](const Aabb&, int depth, const AxisNode& node) {
-    if (node.axes == 0) fullest = std::max<std::uint32_t>(fullest, node.count);
-    deepest = std::max(deepest, depth);
-  });
-  EXPECT_GT(fullest, 1u);
-  EXPECT_LE(deepest, 12);
-}
-
-TEST(AxisTree, NumberOfChildrenFollowsTheAxes) {
-  const TriangleSoup soup = sheet(16, 0);
-  for (const std::uint32_t axes : {1u, 5u, 7u}) {
-    const AxisTree tree = build_axis_tree(soup, {.axes = axes, .cube = false, .leaf_size = 4});
-    std::size_t inner = 0, children = 0;
-    for (const AxisNode& node : tree.nodes) {
-      if (node.axes == 0) continue;
-      ++inner;
-      children += std::size_t{1} << std::popcount(std::uint32_t{node.axes});
-    }
-    EXPECT_EQ(children + 1, tree.nodes.size());
-    EXPECT_GT(inner, 3u);
-    if (axes == 5u) {
-      EXPECT_EQ(children, 4 * inner) << "a quadtree";
-    }
-  }
-}
-
-TEST(Bvh8, HoldsAHundredThousandTrianglesInAFewMegabytes) {
-  GenerateConfig config;
-  config.objects = 400;
-  config.triangles = 100000;
-  const TriangleSoup soup = soup_of(generate_scene("city", config));
-  const Bvh8 tree = build_bvh8(soup);
-  EXPECT_EQ(tree.triangle_count, soup.size());
-  EXPECT_LE(tree.bytes(), 48 * soup.size());
 }
 
 }  // namespace
