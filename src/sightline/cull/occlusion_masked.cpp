@@ -156,7 +156,15 @@ class OcclusionMasked final : public Culler {
     return focal * static_cast<double>(size) / std::max(static_cast<double>(distance), view.near);
   }
 
-  /// The best first, in rounds: what one round hides is not drawn in the next, and costs nothing of the budget.
+  /// How many of the choices from `next` on may still be seen: about what more occluders could be good for.
+  [[nodiscard]] std::int64_t open_choices(std::size_t next) const {
+    return std::count_if(choices_.begin() + static_cast<std::ptrdiff_t>(next), choices_.end(), [&](const Choice& c) {
+      return buffer_.may_be_seen_by_rectangle(scene_.objects()[c.id].bounds);
+    });
+  }
+
+  /// The best first, in rounds: what one round hides is not drawn in the next, and costs nothing of the budget; nor is
+  /// what has more triangles than all that it could still hide is worth, the very best one excepted.
   void draw_occluders(const View& view, Counters& counters) {
     const auto scaled = [&](int pixels) {
       return std::clamp(static_cast<int>(std::lround(pixels * config_.resolution)), 1, 16384);
@@ -166,10 +174,11 @@ class OcclusionMasked final : public Culler {
     std::int64_t budget = config_.triangles, round_size = 1024;
     for (std::size_t next = 0; next < choices_.size() && budget > 0; round_size *= 2) {
       round_.clear();
+      const double worth = config_.worth * static_cast<double>(open_choices(next));
       for (std::int64_t round = round_size; next < choices_.size() && round > 0; ++next) {
         const Object& object = scene_.objects()[choices_[next].id];
         const std::uint32_t triangles = triangles_of(object.mesh);
-        if (triangles > budget || !buffer_.may_be_seen_by_rectangle(object.bounds)) continue;
+        if (triangles > budget || (next > 0 && triangles > worth) || !buffer_.may_be_seen_by_rectangle(object.bounds)) continue;
         budget -= triangles;
         round -= triangles;
         round_.push_back({&occluders_->by_mesh[object.mesh], object.transform});
@@ -265,6 +274,7 @@ std::unique_ptr<Culler> make_occlusion_masked(const IndexedScene& scene, Paramet
   OcclusionMaskedConfig config;
   parameters.read("resolution", config.resolution, 1.0 / 16, 2.0);
   parameters.read("triangles", config.triangles, 0, 1 << 30);
+  parameters.read("worth", config.worth, 0.0, 1e9);
   parameters.read("min_size", config.min_size, 0.0, 1e6);
   parameters.read("detail", config.detail, 0.0, 1e6);
   parameters.read("centres", config.centres);

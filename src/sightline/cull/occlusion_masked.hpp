@@ -25,6 +25,7 @@ struct OccluderSet {
 struct OcclusionMaskedConfig {
   double resolution = 0.25;  // buffer pixels per view pixel along each axis, 1/16 to 2
   int triangles = 16000;     // budget of occluder triangles per frame
+  double worth = 128;        // an occluder has at most so many triangles per object that it may still hide
   double min_size = 24;      // view pixels: objects that look smaller hide too little to be drawn
   double detail = 64;        // square view pixels per triangle: objects with finer triangles are not drawn
   bool centres = false;      // promise pixel centres alone; needs resolution 1
