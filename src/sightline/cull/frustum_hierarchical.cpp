@@ -9,7 +9,7 @@ namespace sightline {
 namespace {
 
 /// Subtrees with at most so many objects are tested object by object, a vector of them at once.
-constexpr std::uint32_t few = 256;
+constexpr std::uint32_t few = 512;
 constexpr std::uint32_t largest_leaf = 255;
 
 class FrustumHierarchical final : public Culler {
