@@ -125,7 +125,7 @@ struct OcclusionBuffer::State {
       const std::size_t here = std::min(boxes.size(), occluders.size() - first);
       for (std::size_t i = 0; i < here; ++i) {
         const OccluderInstance& occluder = occluders[first + i];
-        boxes[i] = occluder.mesh->triangle_count > 0 ? world_bounds(*occluder.mesh, occluder.transform) : Aabb();
+        boxes[i] = occluder.mesh->triangle_count > 0 ? world_bounds(occluder.mesh->bounds, occluder.transform) : Aabb();
       }
       kernels->project_boxes(query, floats(boxes.data()), here, r);
       for (std::size_t i = 0; i < here; ++i)
@@ -139,9 +139,9 @@ struct OcclusionBuffer::State {
     });
   }
 
-  static Aabb world_bounds(const OccluderMesh& mesh, const Affine& transform) {
+  static Aabb world_bounds(const Aabb& box, const Affine& transform) {
     Aabb bounds;
-    for (int i = 0; i < 8; ++i) bounds.extend(transform_point(transform, mesh.bounds.corner(i)));
+    for (int i = 0; i < 8; ++i) bounds.extend(transform_point(transform, box.corner(i)));
     return bounds;
   }
 
@@ -231,7 +231,7 @@ void OcclusionBuffer::add_occluder(const OccluderMesh& mesh, const Affine& trans
   State& s = *state_;
   if (mesh.triangle_count == 0) return;
   // A rectangle that is hidden, or outside of the image, ends it here.
-  if (!s.seen(State::world_bounds(mesh, transform), false)) return;
+  if (!s.seen(State::world_bounds(mesh.bounds, transform), false)) return;
   const auto mesh_view = s.view.mesh_view(mesh, transform);
   if (!mesh_view) return;
   Strip& strip = s.strips[0];
@@ -245,6 +245,10 @@ void OcclusionBuffer::add_occluders(std::span<const OccluderInstance> occluders)
 
 void OcclusionBuffer::add_occluder(std::span<const glm::vec3> positions, std::span<const glm::uvec3> triangles,
                                    const Affine& transform) {
+  if (triangles.empty()) return;
+  Aabb around;  // of vertices that no triangle uses too, which hides less at worst
+  for (const glm::vec3& p : positions) around.extend(p);
+  if (!state_->seen(State::world_bounds(around, transform), false)) return;  // spares the matching of edges
   add_occluder(state_->raw.make(positions, triangles), transform);
 }
 
