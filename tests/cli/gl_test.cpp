@@ -139,7 +139,7 @@ TEST_F(GlProgram, QueriesInterruptedKeepsWhatIsThere) {
   };
   const Long verbs[] = {
       {{"queries", "--queries", "10000", "--size", "64x64"}, "rows", 7},
-      {{"queries", "--scene", "generate:city:objects=300", "--frames", "20000", "--size", "64x36"}, "methods", 3}};
+      {{"queries", "--scene", "generate:city:objects=300", "--frames", "3000", "--size", "64x36"}, "methods", 3}};
   for (const auto& [words, rows, all] : verbs) {
     std::filesystem::remove(file("stderr"));
     std::vector<std::string> arguments = words;
