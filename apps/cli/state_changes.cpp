@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "camera.hpp"
+#include "interrupt.hpp"
 #include "line_plot.hpp"
 #include "methods.hpp"
 #include "scene_argument.hpp"
@@ -27,7 +28,11 @@ Json measure_state_changes(const QueriesOptions& options) {
     gl::Context context;
     gl::SceneDrawing drawing(context, loaded.scene);
     gl::Target target;
-    for (const char* name : {"gl_stop_and_wait", "gl_chc", "gl_chcpp"}) {
+    constexpr const char* names[] = {"gl_stop_and_wait", "gl_chc", "gl_chcpp"};
+    std::size_t done = 0;
+    Progress progress("frames", std::size(names) * path.views.size(), options.common.quiet);
+    for (const char* name : names) {
+      if (interrupted()) break;
       const auto method = gl::make_method(name, drawing);
       Json changes = Json::array(), queries = Json::array();
       for (const View& view : path.views) {
@@ -37,6 +42,8 @@ Json measure_state_changes(const QueriesOptions& options) {
         drawing.set_work(nullptr);
         changes.push_back(work.state_changes);
         queries.push_back(work.queries);
+        progress.show(++done);
+        if (interrupted()) break;
       }
       measured["methods"].push_back({{"method", name}, {"state_changes", changes}, {"queries", queries}});
     }

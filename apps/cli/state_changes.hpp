@@ -10,7 +10,7 @@
 namespace sightline::cli {
 
 /// Walks through options.scene and returns {"schema", "scene", "frames", "methods": [{"method", "state_changes": [one a
-/// frame], "queries": [...]}]}. Throws InputError, MethodUnavailable.
+/// frame], "queries": [...]}]}; interrupted, what there is of it. Throws InputError, MethodUnavailable.
 Json measure_state_changes(const QueriesOptions& options);
 
 /// The curves of it: an SVG, the number of changes as a power of two.

@@ -89,5 +89,29 @@ TEST(RendererAgreement, IdsAreThoseOfTheOracle) {
   }
 }
 
+/// Almost half a turn of a view: a pixel is many degrees wide at the middle and next to nothing at the rim.
+TEST(RendererAgreement, WidestViewsDifferWithinTheDepthError) {
+  constexpr double degree = 3.14159265358979323846 / 180.0;
+  for (const char* kind : {"building", "city", "plant", "soup"}) {
+    const Scene scene = generate_scene(kind, {.objects = 300});
+    const IndexedScene indexed = index_scene(scene);
+    const Oracle oracle(scene);
+    for (View view : cases::hard_views(scene, 8, 4)) {
+      view.projection = Projection::perspective;
+      view.fov_y = 179.9 * degree;
+      for (const Algorithm& row : algorithms()) {
+        if (row.family != Family::renderer || row.promise != Promise::exact) continue;
+        Frame truth, frame;
+        Counters counters;
+        oracle.draw(view, truth);
+        make_renderer(row.name, indexed)->draw(view, VisibleSet::all(scene.objects().size()), frame, counters);
+        const Agreement one = compare(frame, truth, reach(scene.bounds()) + glm::length(view.eye));
+        EXPECT_EQ(one.wrong, 0u) << row.name << " on " << kind << " (" << describe(view) << ")";
+        EXPECT_LE(one.edge, 2u) << row.name << " on " << kind << " (" << describe(view) << ")";
+      }
+    }
+  }
+}
+
 }  // namespace
 }  // namespace sightline

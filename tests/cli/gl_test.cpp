@@ -1,7 +1,10 @@
 // Verbs that reach OpenGL, and what they do where there is none; the measure of visibility persistence.
 #include <array>
+#include <chrono>
 #include <cmath>
+#include <csignal>
 #include <cstdlib>
+#include <thread>
 
 #include "cli/program.hpp"
 #include "line_plot.hpp"
@@ -126,6 +129,38 @@ TEST_F(GlProgram, QueriesOfASceneCountsStateChanges) {
   EXPECT_LT(changes[2], changes[1] / 4);  // batches
   EXPECT_NE(cli_test::read_file(file("s.svg")).find("gl_chcpp"), std::string::npos);
   expect_complaint({"queries", "--frames", "3"}, 2, "--scene");
+}
+
+TEST_F(GlProgram, QueriesInterruptedKeepsWhatIsThere) {
+  struct Long {
+    std::vector<std::string> words;
+    const char* rows;
+    std::size_t all;
+  };
+  const Long verbs[] = {
+      {{"queries", "--queries", "10000", "--size", "64x64"}, "rows", 7},
+      {{"queries", "--scene", "generate:city:objects=300", "--frames", "3000", "--size", "64x36"}, "methods", 3}};
+  for (const auto& [words, rows, all] : verbs) {
+    std::filesystem::remove(file("stderr"));
+    std::vector<std::string> arguments = words;
+    arguments.insert(arguments.end(), {"--json", file("out.json"), "--picture", file("q.svg"), "--progress", "json"});
+    const pid_t child = start(arguments);
+    const auto has_begun = [&] {
+      const std::string told = cli_test::read_file(file("stderr"));
+      return told.find("\"done\":", told.find("\"done\":0,") + 1) != std::string::npos ||
+             told.find("OpenGL") != std::string::npos;
+    };
+    for (int tries = 0; tries < 6000 && !has_begun(); ++tries)
+      std::this_thread::sleep_for(std::chrono::milliseconds(10));
+    kill(child, SIGINT);
+    const auto outcome = finish(child);
+    if (outcome.code == 4) GTEST_SKIP() << "NO OPENGL HERE: " << outcome.err;
+    EXPECT_EQ(outcome.code, 130) << rows << outcome.err;
+    const auto json = nlohmann::json::parse(cli_test::read_file(file("out.json")));
+    EXPECT_GE(json.at(rows).size(), 1u);
+    EXPECT_LT(json.at(rows).size(), all) << rows;
+    EXPECT_TRUE(cli_test::read_file(file("q.svg")).starts_with("<svg"));
+  }
 }
 
 TEST_F(GlProgram, PersistenceMeasuresAndFits) {

@@ -69,6 +69,19 @@ TEST(View, LookAlongNothingIsAnError) {
   EXPECT_THROW(look_along({0, 0, 0}, {std::nan(""), 0, 1}), InputError);
 }
 
+/// A compiler that drops a rounding lets eye and geometry part; volatile so that this rounding stays, at least.
+TEST(View, EyeIsAFloat) {
+  Random random(1);
+  for (int i = 0; i < 100; ++i) {
+    const glm::dvec3 eye = 1000.0 * random.direction();
+    const View view = look_along(eye, random.direction());
+    for (int axis = 0; axis < 3; ++axis) {
+      const volatile float rounded = static_cast<float>(eye[axis]);
+      EXPECT_EQ(view.eye[axis], static_cast<double>(rounded)) << "axis " << axis;
+    }
+  }
+}
+
 TEST(View, FirstPixelIsTopLeft) {
   View view = look_along({0, 0, 0}, {0, 0, -1});
   const PixelRay ray = pixel_ray(view, 0.5, 0.5);
