@@ -15,8 +15,9 @@
 namespace sightline {
 
 /// Child i is ref[i]: a node by its number, or with the highest bit set a leaf, whose triangles - 1 stand in bits 28 to
-/// 30 and the first of them below. lo and hi bound child i on each axis, from the lower corner of the tree's space on;
-/// of a child that is not there they are infinity and -infinity, which no ray passes between.
+/// 30 and the first of them below. lo and hi bound child i on each axis, from the lower corner of the tree's space on,
+/// and hold the slack that rays need; of a child that is not there they are infinity and -infinity, which no ray passes
+/// between.
 struct alignas(32) Bvh8Node {
   float lo[3][8], hi[3][8];
   std::uint32_t ref[8];
