@@ -76,8 +76,8 @@ struct Segment {
   glm::vec3 a, b;
 };
 /// visible[i] = 1 if no triangle lies between the ends of segment i, else 0: the answers of segment_visible, for many
-/// at once. Where many go the same way they are sorted and walk the tree together, and are tried first against what hid
-/// those before them. On all threads; the same for any number.
+/// at once, in any order. Many are under way at a time, and those between the same places are tried first against what
+/// hid the last of them. On all threads; the same for any number.
 void segments_visible(const Bvh8& tree, std::span<const Segment> segments, std::span<std::uint8_t> visible,
                       float clearance = default_clearance);
 
