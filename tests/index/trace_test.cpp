@@ -8,7 +8,6 @@
 #include "sightline/geometry/frustum.hpp"
 #include "sightline/index/bvh8.hpp"
 #include "sightline/index/bvh_builders.hpp"
-#include "sightline/index/coherent_order.hpp"
 #include "sightline/index/kdtree.hpp"
 #include "sightline/index/tracer.hpp"
 #include "sightline/parallel/parallel.hpp"
@@ -321,16 +320,19 @@ TEST(Trace, SegmentsTogetherAreAnsweredAsOneByOne) {
     for (const int count : {0, 1, 2, 7, 8, 9, 17, 2000, -2000}) {
       std::vector<Segment> segments = segments_for(c.soup, std::abs(count), 8);
       const glm::vec3 from = count < 0 ? segments[0].a : glm::vec3(0), to = count < 0 ? segments[1].b : glm::vec3(0);
-      if (count < 0)  // alike: these walk the tree together
+      if (count < 0)  // alike: what stops one often stops the next
         for (Segment& s : segments) s = {glm::mix(from, s.a, 0.02f), glm::mix(to, s.b, 0.02f)};
-      std::vector<std::uint8_t> visible(segments.size(), 7);
-      segments_visible(tree, segments, visible);
-      TraceCounters counters;
-      for (std::size_t i = 0; i < segments.size(); ++i) {
-        const Ray ray = segment_ray(segments[i].a, segments[i].b, default_clearance);
-        const bool free = !trace_nearest_scalar(tree, ray, counters).found();
-        ASSERT_EQ(segment_visible(tree, segments[i].a, segments[i].b), free) << c.name << " " << describe(ray);
-        ASSERT_EQ(visible[i], free ? 1 : 0) << c.name << " " << describe(ray);
+      for (const float clearance : {default_clearance, 0.0f, -0.5f, 0.5f, 0.6f, nan}) {
+        std::vector<std::uint8_t> visible(segments.size(), 7);
+        segments_visible(tree, segments, visible, clearance);
+        TraceCounters counters;
+        for (std::size_t i = 0; i < segments.size(); ++i) {
+          const Ray ray = segment_ray(segments[i].a, segments[i].b, clearance);
+          const bool free = !trace_nearest_scalar(tree, ray, counters).found();
+          ASSERT_EQ(segment_visible(tree, segments[i].a, segments[i].b, clearance), free)
+              << c.name << " " << describe(ray);
+          ASSERT_EQ(visible[i], free ? 1 : 0) << c.name << " " << describe(ray);
+        }
       }
     }
   }
@@ -341,28 +343,30 @@ TEST(Trace, SegmentsAreTheSameForEveryNumberOfThreadsAndEverySimdTarget) {
   config.objects = 60;
   const TriangleSoup soup = soup_of(generate_scene("city", config));
   const Bvh8 tree = build_bvh8(soup);
-  std::vector<Segment> segments = segments_for(soup, 40000, 9);
   const Aabb& box = tree.space.bounds;
-  for (std::size_t i = 0; i < segments.size(); ++i)
-    segments[i].b = {i % 3 == 0 ? box.lo.x : box.hi.x, box.hi.y + 1.0f, i % 2 == 0 ? box.lo.z : box.hi.z};
-  ASSERT_FALSE(coherent_order(box, segments).empty());
-  std::vector<std::uint8_t> first(segments.size()), visible(segments.size());
-  segments_visible(tree, segments, first);
-  EXPECT_GT(std::count(first.begin(), first.end(), 0), 1000);
-  EXPECT_GT(std::count(first.begin(), first.end(), 1), 1000);
-  for (const int threads : {1, 3}) {
-    const ThreadLimit limit(threads);
-    segments_visible(tree, segments, visible);
-    EXPECT_EQ(visible, first) << threads;
-  }
-  for (const std::int64_t target : hwy::SupportedAndGeneratedTargets()) {
-    hwy::SetSupportedTargetsForTest(target);
+  for (const bool alike : {false, true}) {
+    std::vector<Segment> segments = segments_for(soup, 40000, 9);
+    for (std::size_t i = 0; alike && i < segments.size(); ++i)
+      segments[i].b = {i % 3 == 0 ? box.lo.x : box.hi.x, box.hi.y + 1.0f, i % 2 == 0 ? box.lo.z : box.hi.z};
+    std::vector<std::uint8_t> one(segments.size()), visible(segments.size());
+    for (std::size_t i = 0; i < segments.size(); ++i)
+      one[i] = segment_visible(tree, segments[i].a, segments[i].b) ? 1 : 0;
+    EXPECT_GT(std::count(one.begin(), one.end(), 0), 1000);
+    EXPECT_GT(std::count(one.begin(), one.end(), 1), 1000);
+    for (const int threads : {1, 3}) {
+      const ThreadLimit limit(threads);
+      segments_visible(tree, segments, visible);
+      EXPECT_EQ(visible, one) << threads;
+    }
+    for (const std::int64_t target : hwy::SupportedAndGeneratedTargets()) {
+      hwy::SetSupportedTargetsForTest(target);
+      hwy::GetChosenTarget().DeInit();
+      segments_visible(tree, segments, visible);
+      EXPECT_EQ(visible, one) << hwy::TargetName(target);
+    }
+    hwy::SetSupportedTargetsForTest(0);
     hwy::GetChosenTarget().DeInit();
-    segments_visible(tree, segments, visible);
-    EXPECT_EQ(visible, first) << hwy::TargetName(target);
   }
-  hwy::SetSupportedTargetsForTest(0);
-  hwy::GetChosenTarget().DeInit();
 }
 
 TEST(Trace, RepeatedTestsFindTheSame) {

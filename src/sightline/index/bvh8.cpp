@@ -155,11 +155,12 @@ class Widener {
     for (int axis = 0; axis < 3; ++axis) {
       std::fill_n(node.lo[axis], 8, INFINITY);
       std::fill_n(node.hi[axis], 8, -INFINITY);
-      // Rounding is far below the slack of the rays.
+      // What is rounded here and by the walks is less than the slack, which is there thrice.
+      const float slack = 3.0f * tree_.space.slack;
       for (int i = 0; i < group.count; ++i) {
         const Aabb& box = bvh_.nodes[group.node[static_cast<std::size_t>(i)]].bounds;
-        node.lo[axis][i] = box.lo[axis] - tree_.space.bounds.lo[axis];
-        node.hi[axis][i] = box.hi[axis] - tree_.space.bounds.lo[axis];
+        node.lo[axis][i] = box.lo[axis] - tree_.space.bounds.lo[axis] - slack;
+        node.hi[axis][i] = box.hi[axis] - tree_.space.bounds.lo[axis] + slack;
       }
     }
     for (int i = 0; i < group.count; ++i)
@@ -188,12 +189,11 @@ class Widener {
   Bvh8 tree_;
 };
 
-/// A child's bounds in the space of the soup, outwards by more than was rounded.
+/// A child's bounds in the space of the soup.
 Aabb child_box(const Bvh8& tree, const Bvh8Node& node, int i) {
   const Aabb& space = tree.space.bounds;
-  const glm::vec3 margin(tree.space.slack);
-  return {space.lo + glm::vec3(node.lo[0][i], node.lo[1][i], node.lo[2][i]) - margin,
-          space.lo + glm::vec3(node.hi[0][i], node.hi[1][i], node.hi[2][i]) + margin};
+  return {space.lo + glm::vec3(node.lo[0][i], node.lo[1][i], node.lo[2][i]),
+          space.lo + glm::vec3(node.hi[0][i], node.hi[1][i], node.hi[2][i])};
 }
 
 /// Triangles that `take(corners)` takes, below children whose box `keep(box)` keeps.

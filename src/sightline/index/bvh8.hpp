@@ -15,8 +15,9 @@
 namespace sightline {
 
 /// Child i is ref[i]: a node by its number, or with the highest bit set a leaf, whose triangles - 1 stand in bits 28 to
-/// 30 and the first of them below. lo and hi bound child i on each axis, from the lower corner of the tree's space on;
-/// of a child that is not there they are infinity and -infinity, which no ray passes between.
+/// 30 and the first of them below. lo and hi bound child i on each axis, from the lower corner of the tree's space on,
+/// and hold the slack that rays need; of a child that is not there they are infinity and -infinity, which no ray passes
+/// between.
 struct alignas(32) Bvh8Node {
   float lo[3][8], hi[3][8];
   std::uint32_t ref[8];
@@ -75,8 +76,8 @@ struct Segment {
   glm::vec3 a, b;
 };
 /// visible[i] = 1 if no triangle lies between the ends of segment i, else 0: the answers of segment_visible, for many
-/// at once. Where many go the same way they are sorted and walk the tree together, and are tried first against what hid
-/// those before them. On all threads; the same for any number.
+/// at once, in any order. Many are under way at a time, and those between the same places are tried first against what
+/// hid the last of them. On all threads; the same for any number.
 void segments_visible(const Bvh8& tree, std::span<const Segment> segments, std::span<std::uint8_t> visible,
                       float clearance = default_clearance);
 

@@ -131,11 +131,13 @@ inline Entry* large_stack(int depth) {
   return stack.data();
 }
 
+/// Without branches: what a reference is, is as good as random.
 HWY_INLINE void prefetch(const Bvh8& tree, std::uint32_t ref) {
-  const auto* leaf =
-      reinterpret_cast<const char*>(tree.triangles.data() + std::size_t{ref & 0x0FFFFFFFu} * bvh8_words_per_triangle);
-  const auto* node = reinterpret_cast<const char*>(tree.nodes.data() + (ref & 0x7FFFFFFFu));
-  const char* at = (ref & bvh8_leaf) != 0 ? leaf : node;
+  const auto leaf = reinterpret_cast<std::uintptr_t>(tree.triangles.data()) +
+                    std::uintptr_t{ref & 0x0FFFFFFFu} * (4 * bvh8_words_per_triangle);
+  const auto node = reinterpret_cast<std::uintptr_t>(tree.nodes.data()) + std::uintptr_t{ref} * sizeof(Bvh8Node);
+  const auto which = static_cast<std::uintptr_t>(static_cast<std::int32_t>(ref) >> 31);
+  const auto* at = reinterpret_cast<const char*>(node ^ ((node ^ leaf) & which));
   for (int line = 0; line < 4; ++line) hwy::Prefetch(at + 64 * line);  // a node, or six triangles
 }
 

@@ -46,31 +46,25 @@ HWY_INLINE Axes axes(const float* p) {
 }
 #endif
 
-/// The ray as the boxes see it: t of a place p on an axis is p * inverse + near for bounds where the ray enters, p *
-/// inverse + far where it leaves; they differ by the slack.
+/// The ray as the boxes see it: t of a place p on an axis is p * inverse + from.
 struct BoxRay {
-  Axes inverse, near, far;
+  Axes inverse, from;
   std::size_t near_side[3], far_side[3];  // where in a node the bounds are that the ray meets first and last
 };
 
 HWY_INLINE BoxRay box_ray(const TraceRay& ray, const glm::vec3& corner) {
   BoxRay r;
-  float near[3], far[3];
+  float from[3];
   for (std::size_t a = 0; a < 3; ++a) {
     const auto axis = static_cast<int>(a);
-    const float from = (corner[axis] - ray.origin[axis]) * ray.inverse[axis];
-    // Places are within three extents of the origin; what is rounded here and in pass_children is less than 2^-20 of
-    // the extent, which the slack has thrice.
-    near[a] = from - 3.0f * ray.slack[axis];
-    far[a] = from + 3.0f * ray.slack[axis];
+    from[a] = (corner[axis] - ray.origin[axis]) * ray.inverse[axis];
     const std::size_t lo = offsetof(Bvh8Node, lo) + 32 * a, hi = offsetof(Bvh8Node, hi) + 32 * a;
     const bool forward = ray.inverse[axis] >= 0.0f;
     r.near_side[a] = forward ? lo : hi;
     r.far_side[a] = forward ? hi : lo;
   }
   r.inverse = axes(&ray.inverse.x);
-  r.near = axes(near);
-  r.far = axes(far);
+  r.from = axes(from);
   return r;
 }
 
@@ -82,16 +76,16 @@ HWY_INLINE std::uint32_t pass_children(const Bvh8Node& node, const BoxRay& ray, 
   const auto* bytes = reinterpret_cast<const std::uint8_t*>(&node);
   std::uint32_t mask = 0;
   for (std::size_t i = 0; i < 8; i += lanes) {
-    const auto pass = [&]<int axis>(const std::size_t* side, const Axes& from) HWY_ATTR {
+    const auto pass = [&]<int axis>(const std::size_t* side) HWY_ATTR {
       return hn::MulAdd(hn::LoadU(d, reinterpret_cast<const float*>(bytes + side[axis]) + i), along<axis>(ray.inverse),
-                        along<axis>(from));
+                        along<axis>(ray.from));
     };
-    const Vec enter = hn::Max(hn::Max(pass.template operator()<0>(ray.near_side, ray.near),
-                                      pass.template operator()<1>(ray.near_side, ray.near)),
-                              hn::Max(pass.template operator()<2>(ray.near_side, ray.near), hn::Set(d, t_near)));
-    const Vec leave = hn::Min(
-        hn::Min(pass.template operator()<0>(ray.far_side, ray.far), pass.template operator()<1>(ray.far_side, ray.far)),
-        hn::Min(pass.template operator()<2>(ray.far_side, ray.far), hn::Set(d, t_far)));
+    const Vec enter =
+        hn::Max(hn::Max(pass.template operator()<0>(ray.near_side), pass.template operator()<1>(ray.near_side)),
+                hn::Max(pass.template operator()<2>(ray.near_side), hn::Set(d, t_near)));
+    const Vec leave =
+        hn::Min(hn::Min(pass.template operator()<0>(ray.far_side), pass.template operator()<1>(ray.far_side)),
+                hn::Min(pass.template operator()<2>(ray.far_side), hn::Set(d, t_far)));
     mask |= bits_of(hn::Le(enter, leave)) << i;
     hn::StoreU(hn::BitCast(d32, enter), d32, key + i);
   }
