@@ -6,13 +6,12 @@
 #include <cstdint>
 #include <span>
 
+#include "sightline/geometry/no_triangle.hpp"
 #include "sightline/geometry/ray.hpp"
 #include "sightline/geometry/ray_triangle.hpp"
 #include "sightline/index/triangle_soup.hpp"
 
 namespace sightline {
-
-inline constexpr std::uint32_t no_triangle = 0xFFFFFFFFu;
 
 /// The nearest triangle met, by its place in the soup; no_triangle if there is none.
 struct RayHit {
