@@ -1,8 +1,10 @@
 # sightline_library(NAME sources...): target sightline (NAME sightline) or sightline_NAME, with the alias sightline::NAME
-# and the project's warnings. sightline_strict(TARGET): the warnings alone, for programs.
+# and the project's warnings. sightline_strict(TARGET): the warnings and the arithmetic alone, for programs.
 function(sightline_strict target)
   target_compile_features(${target} PUBLIC cxx_std_20)
   set_target_properties(${target} PROPERTIES CXX_EXTENSIONS OFF)
+  # Same bits on every machine: no contraction of a * b + c behind our back. Programs too, for what headers hold in line.
+  target_compile_options(${target} PRIVATE -ffp-contract=off)
   # GCC 12 takes pairs of double -> float -> double for nothing and drops the rounding, once its straight-line vectoriser
   # has made vectors of two of them (the test View.EyeIsAFloat fails then).
   target_compile_options(${target} PRIVATE $<$<CXX_COMPILER_ID:GNU>:-fno-tree-slp-vectorize>)
@@ -30,8 +32,6 @@ function(sightline_library name)
   set_target_properties(${target} PROPERTIES EXPORT_NAME ${name})
   target_include_directories(${target} PUBLIC $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}/src> $<INSTALL_INTERFACE:include>)
   sightline_strict(${target})
-  # Same bits on every machine: no contraction of a * b + c behind our back.
-  target_compile_options(${target} PRIVATE -ffp-contract=off)
 endfunction()
 
 # Several sources of a target as one, where most of the time goes into the same headers: the tool compiles thrice as fast.

@@ -39,8 +39,8 @@ std::vector<Contender> contenders() {
        {"bound=ritter:coherence=on", "bound=aabb:test=clip", "bound=obb", "bound=kdop14:meta=on", "bound=hull"})
     all.push_back({std::string("frustum_bounds:") + setting, Promise::conservative_continuous});
   for (const char* setting :
-       {"resolution=0.25", "resolution=1:min_size=0:detail=0:triangles=1000000", "resolution=0.11", "resolution=2",
-        "scalar=on:min_size=1:detail=0", "tight=1.4", "tight=4:resolution=1"})
+       {"resolution=0.25", "resolution=1:min_size=0:detail=0:triangles=1000000:worth=1000000000", "resolution=0.11",
+        "resolution=2", "scalar=on:min_size=1:detail=0:worth=0", "tight=1.4", "tight=4:resolution=1"})
     all.push_back({std::string("occlusion_masked:") + setting, Promise::conservative_continuous});
   all.push_back({"occlusion_masked:resolution=1:centres=on:min_size=1:detail=0", Promise::conservative});
   all.push_back({"frustum_hierarchical:corners=on", Promise::conservative_continuous});
@@ -52,7 +52,7 @@ std::vector<Contender> short_list() {
   std::vector<Contender> all;
   for (const Contender& contender : contenders())
     if (contender.text.find(':') == std::string::npos) all.push_back(contender);
-  for (const char* setting : {"resolution=1:min_size=0:detail=0:triangles=1000000", "tight=1.4"})
+  for (const char* setting : {"resolution=1:min_size=0:detail=0:triangles=1000000:worth=1000000000", "tight=1.4"})
     all.push_back({std::string("occlusion_masked:") + setting, Promise::conservative_continuous});
   for (const char* row : {"horizon", "hzb", "hom", "map"})
     all.push_back({"occlusion_" + std::string(row) + ":tight=1.4", Promise::conservative_continuous});

@@ -278,6 +278,25 @@ TEST(OcclusionHorizon, CullsWhatIsBehindTheHousesOfACity) {
   EXPECT_LT(2 * horizon.visible.count(), frustum.visible.count());
 }
 
+// Less is drawn and less is hidden the less an occluder may cost; the first one is always drawn.
+TEST(OcclusionMasked, WorthDecidesWhatIsDrawnAndNothingElse) {
+  const Scene scene = generate_scene("building", {.objects = 800, .triangles = 0, .seed = 3});
+  const IndexedScene indexed = index_scene(scene);
+  for (const View& view : cases::hard_views(scene, 16, 21)) {
+    const auto with = [&](const std::string& worth) {
+      return ask("occlusion_masked:triangles=1000000000:min_size=0:detail=0:worth=" + worth, indexed, view);
+    };
+    const Answer none = with("0"), some = with("1"), all = with("1000000000");
+    EXPECT_LE(none.counters.occluders, 1u);
+    EXPECT_GE(all.counters.occluder_triangles, some.counters.occluder_triangles);
+    for (ObjectId id = 0; id < scene.objects().size(); ++id) {
+      EXPECT_TRUE(none.visible.contains(id) || !all.visible.contains(id));
+      EXPECT_TRUE(none.visible.contains(id) || !some.visible.contains(id));
+    }
+    for (const Answer* answer : {&none, &some, &all}) EXPECT_TRUE(verdict_of(*answer, scene, view).missed.empty());
+  }
+}
+
 // Automatic occluders in the masked culler: they find what all triangles find, for fewer triangles.
 TEST(AutoOccluders, FindWhatAllTrianglesFind) {
   const Scene scene = generate_scene("building", {.objects = 800, .triangles = 0, .seed = 3});
@@ -285,7 +304,7 @@ TEST(AutoOccluders, FindWhatAllTrianglesFind) {
   std::size_t all = 0, automatic = 0, frustum = 0;
   std::uint64_t all_triangles = 0, auto_triangles = 0;
   for (const View& view : cases::hard_views(scene, 16, 21)) {
-    const Answer a = ask("occlusion_masked:triangles=1000000000:min_size=0", indexed, view);
+    const Answer a = ask("occlusion_masked:triangles=1000000000:min_size=0:worth=1000000000", indexed, view);
     const Answer b = ask("occlusion_masked:occluders=auto:min_size=0", indexed, view);
     EXPECT_TRUE(verdict_of(b, scene, view).missed.empty());
     frustum += ask("frustum_linear", indexed, view).visible.count();

@@ -233,6 +233,35 @@ TEST(OcclusionBuffer, RawTrianglesHideWhatTheirMeshHides) {
   }
 }
 
+TEST(OcclusionBuffer, VerticesThatNoTriangleUsesChangeNothing) {
+  constexpr float inf = std::numeric_limits<float>::infinity(), nan = std::numeric_limits<float>::quiet_NaN();
+  const Mesh wall = cases::quad({-20, -20, -5}, {40, 0, 0}, {0, 40, 0});
+  for (const glm::vec3& unused : {glm::vec3(inf), glm::vec3(-inf, inf, 0), glm::vec3(nan), glm::vec3(0, nan, 0),
+                                  glm::vec3(3e38f), glm::vec3(0, 0, 1e6f), glm::vec3(0)}) {
+    std::vector<glm::vec3> shared(500, unused);
+    shared.resize(1000, -unused);
+    shared.insert(shared.begin() + 500, wall.positions.begin(), wall.positions.end());
+    std::vector<glm::uvec3> triangles = wall.triangles;
+    for (glm::uvec3& t : triangles) t += 500u;
+    OcclusionBuffer own, among;
+    own.begin(front_view(), 80, 45);
+    among.begin(front_view(), 80, 45);
+    own.add_occluder(wall.positions, wall.triangles, identity_affine());
+    among.add_occluder(shared, triangles, identity_affine());
+    EXPECT_FALSE(among.may_be_seen(box_at({0, 0, -8}, 1)));
+    EXPECT_TRUE(among.may_be_seen(box_at({0, 0, -3}, 1)));
+    EXPECT_EQ(pixels(among), pixels(own)) << unused.x << ' ' << unused.y << ' ' << unused.z;
+    // Without triangles, behind the wall and beside the image: nothing is drawn.
+    among.add_occluder(shared, {}, identity_affine());
+    Affine away = identity_affine();
+    away[3] = {0, 0, -5};
+    among.add_occluder(shared, triangles, away);
+    away[3] = {0, 100, 0};
+    among.add_occluder(shared, triangles, away);
+    EXPECT_EQ(among.counts().occluders, 1u);
+  }
+}
+
 /// The truth about one point, from the buffer's own pixels: it lies before everything that its pixel hides.
 bool point_is_seen(const OcclusionBuffer& buffer, const View& view, const glm::dvec3& point) {
   const glm::dvec4 clip = view_projection(view) * glm::dvec4(point, 1.0);

@@ -178,7 +178,8 @@ class OcclusionMasked final : public Culler {
       for (std::int64_t round = round_size; next < choices_.size() && round > 0; ++next) {
         const Object& object = scene_.objects()[choices_[next].id];
         const std::uint32_t triangles = triangles_of(object.mesh);
-        if (triangles > budget || (next > 0 && triangles > worth) || !buffer_.may_be_seen_by_rectangle(object.bounds)) continue;
+        if (triangles > budget || (next > 0 && triangles > worth) || !buffer_.may_be_seen_by_rectangle(object.bounds))
+          continue;
         budget -= triangles;
         round -= triangles;
         round_.push_back({&occluders_->by_mesh[object.mesh], object.transform});

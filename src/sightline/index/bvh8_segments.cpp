@@ -105,7 +105,7 @@ HWY_INLINE void make_ready(const TraceSpace& space, const Segment* segments, std
   const Vec longest = hn::Max(hn::Max(size[0], size[1]), size[2]);
   s.ordinary = bits_of(hn::And(ordinary, hn::Ge(longest, hn::Set(d, shortest_direction))));
 
-  const Vec least = hn::Mul(longest, hn::Set(d, 1e-12f)), one = hn::Set(d, 1.0f);
+  const Vec least = hn::Max(hn::Mul(longest, hn::Set(d, 1e-12f)), hn::Set(d, space.least)), one = hn::Set(d, 1.0f);
   WholeVec signs = hn::Zero(whole);
   for (int axis = 2; axis >= 0; --axis) {
     const Vec over = hn::Div(one, hn::CopySign(hn::Max(size[axis], least), direction[axis]));

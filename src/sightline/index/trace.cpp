@@ -33,6 +33,8 @@ TraceSpace trace_space(const Aabb& bounds) {
   const float extent = largest(bounds.extent());
   space.slack = std::max(extent * 0x1p-20f, 1e-30f);
   space.reach = {bounds.lo - extent, bounds.hi + extent};
+  // Over an extent and a direction at their limits such a component still moves a ray by less than the slack.
+  space.least = extent * 1e-37f;
   return space;
 }
 

@@ -6,13 +6,12 @@
 #include <cstdint>
 #include <span>
 
+#include "sightline/geometry/no_triangle.hpp"
 #include "sightline/geometry/ray.hpp"
 #include "sightline/geometry/ray_triangle.hpp"
 #include "sightline/index/triangle_soup.hpp"
 
 namespace sightline {
-
-inline constexpr std::uint32_t no_triangle = 0xFFFFFFFFu;
 
 /// The nearest triangle met, by its place in the soup; no_triangle if there is none.
 struct RayHit {
@@ -40,6 +39,8 @@ struct TraceSpace {
   float slack = 0.0f;
   /// The bounds, one extent larger on every side: rays from elsewhere are moved.
   Aabb reach;
+  /// Smaller components of a direction count as this, so that no parameter within reach is infinite.
+  float least = 0.0f;
 };
 TraceSpace trace_space(const Aabb& bounds);
 
@@ -70,7 +71,7 @@ bool approach(const Ray& ray, const TraceSpace& space, TraceRay& prepared);
   set_shear(prepared.shear, prepared.origin, ray.direction);
   // A component so small that it moves the ray by less than the slack over the whole scene counts as that small number.
   const glm::vec3 size = magnitudes(ray.direction);
-  const float least = std::max({size.x, size.y, size.z}) * 1e-12f;
+  const float least = std::max(std::max({size.x, size.y, size.z}) * 1e-12f, space.least);
   for (int axis = 0; axis < 3; ++axis) {
     prepared.inverse[axis] = 1.0f / std::copysign(std::max(size[axis], least), ray.direction[axis]);
     prepared.slack[axis] = space.slack * std::abs(prepared.inverse[axis]);

@@ -11,7 +11,7 @@
 namespace sightline {
 
 struct TriangleSoup {
-  /// Corners of triangle i are corners[3 i .. 3 i + 2]; finite.
+  /// Corners of triangle i are corners[3 i .. 3 i + 2]; finite, and for structures over them within 1e15 of the origin.
   std::vector<glm::vec3> corners;
   /// Run r of triangles [first[r], first[r + 1]) belongs to object object[r]: runs ascending in both, so a lower place
   /// is a lower object, then a lower triangle. `first` has one entry more than `object` (none if both are empty).

@@ -246,8 +246,9 @@ void OcclusionBuffer::add_occluders(std::span<const OccluderInstance> occluders)
 void OcclusionBuffer::add_occluder(std::span<const glm::vec3> positions, std::span<const glm::uvec3> triangles,
                                    const Affine& transform) {
   if (triangles.empty()) return;
-  Aabb around;  // of vertices that no triangle uses too, which hides less at worst
-  for (const glm::vec3& p : positions) around.extend(p);
+  Aabb around;  // of what the triangles use: the other vertices may be many, far away or not finite
+  for (const glm::uvec3& t : triangles)
+    for (int i = 0; i < 3; ++i) around.extend(positions[t[i]]);
   if (!state_->seen(State::world_bounds(around, transform), false)) return;  // spares the matching of edges
   add_occluder(state_->raw.make(positions, triangles), transform);
 }

@@ -6,11 +6,10 @@
 #include <span>
 #include <vector>
 
+#include "sightline/geometry/no_triangle.hpp"
 #include "sightline/scene/scene.hpp"
 
 namespace sightline {
-
-inline constexpr std::uint32_t no_triangle = 0xFFFFFFFFu;
 
 /// An undirected edge between two welded vertices, from < to, and the triangles at it.
 struct MeshEdge {
