@@ -322,7 +322,7 @@ class Raster final : public DeviceCulling {
 }  // namespace
 
 std::unique_ptr<Method> make_hzb(SceneDrawing& drawing, ParameterReader& parameters) {
-  int finer = 3;
+  int finer = 2;
   parameters.read("finer", finer, 0, 4);
   parameters.finish();
   return std::make_unique<Hzb>(drawing, finer);
