@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 #include <hwy/highway.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "sightline/index/bvh8.hpp"
@@ -132,22 +133,36 @@ TEST(Segments, EveryLengthOfABatchIsAnsweredAsByBruteForce) {
   EXPECT_GT(free, 5000u);
 }
 
-TEST(Segments, BatchesOfSeveralBlocksWithATailOfOne) {
+/// Alike: between two small places, so that what stopped one segment is tried first against the next.
+TEST(Segments, BatchesOfSeveralBlocksAlikeAndUnlikeForAllThreadsAndTargets) {
   Random random(5);
   const Place place{1.0f, false};
   const TriangleSoup soup = random_soup(200, place, random);
   const Bvh8 tree = build_bvh8(soup);
-  for (const std::size_t count : {16383, 16384, 16385, 32769}) {
-    std::vector<Segment> segments;
-    std::vector<std::uint8_t> truth, visible(count, 7);
-    for (std::size_t i = 0; i < count; ++i) {
-      segments.push_back(random_segment(soup, place, random));
-      truth.push_back(segment_visible(tree, segments[i].a, segments[i].b) ? 1 : 0);
+  for (const bool alike : {false, true})
+    for (const std::size_t count : {16383, 16384, 16385, 32769}) {
+      const glm::vec3 from = place(random), to = place(random);
+      std::vector<Segment> segments;
+      std::vector<std::uint8_t> truth, visible(count, 7);
+      for (std::size_t i = 0; i < count; ++i) {
+        Segment s = random_segment(soup, place, random);
+        if (alike) s = {from + 0.3f * s.a, to + 0.3f * s.b};
+        segments.push_back(s);
+        truth.push_back(segment_visible(tree, s.a, s.b) ? 1 : 0);
+      }
+      EXPECT_GT(std::count(truth.begin(), truth.end(), 0), 1000);
+      EXPECT_GT(std::count(truth.begin(), truth.end(), 1), 1000);
+      for (const int threads : {1, 3})
+        for (const std::int64_t target : hwy::SupportedAndGeneratedTargets()) {
+          const ThreadLimit limit(threads);
+          hwy::SetSupportedTargetsForTest(target);
+          hwy::GetChosenTarget().DeInit();
+          segments_visible(tree, segments, visible);
+          ASSERT_EQ(visible, truth) << count << ' ' << threads << ' ' << hwy::TargetName(target);
+        }
+      hwy::SetSupportedTargetsForTest(0);
+      hwy::GetChosenTarget().DeInit();
     }
-    const ThreadLimit limit(3);
-    segments_visible(tree, segments, visible);
-    EXPECT_EQ(visible, truth) << count;
-  }
 }
 
 /// The parameter at which such a segment, along an axis, would meet the far bounds on another is more than a float

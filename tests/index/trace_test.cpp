@@ -338,37 +338,6 @@ TEST(Trace, SegmentsTogetherAreAnsweredAsOneByOne) {
   }
 }
 
-TEST(Trace, SegmentsAreTheSameForEveryNumberOfThreadsAndEverySimdTarget) {
-  GenerateConfig config;
-  config.objects = 60;
-  const TriangleSoup soup = soup_of(generate_scene("city", config));
-  const Bvh8 tree = build_bvh8(soup);
-  const Aabb& box = tree.space.bounds;
-  for (const bool alike : {false, true}) {
-    std::vector<Segment> segments = segments_for(soup, 40000, 9);
-    for (std::size_t i = 0; alike && i < segments.size(); ++i)
-      segments[i].b = {i % 3 == 0 ? box.lo.x : box.hi.x, box.hi.y + 1.0f, i % 2 == 0 ? box.lo.z : box.hi.z};
-    std::vector<std::uint8_t> one(segments.size()), visible(segments.size());
-    for (std::size_t i = 0; i < segments.size(); ++i)
-      one[i] = segment_visible(tree, segments[i].a, segments[i].b) ? 1 : 0;
-    EXPECT_GT(std::count(one.begin(), one.end(), 0), 1000);
-    EXPECT_GT(std::count(one.begin(), one.end(), 1), 1000);
-    for (const int threads : {1, 3}) {
-      const ThreadLimit limit(threads);
-      segments_visible(tree, segments, visible);
-      EXPECT_EQ(visible, one) << threads;
-    }
-    for (const std::int64_t target : hwy::SupportedAndGeneratedTargets()) {
-      hwy::SetSupportedTargetsForTest(target);
-      hwy::GetChosenTarget().DeInit();
-      segments_visible(tree, segments, visible);
-      EXPECT_EQ(visible, one) << hwy::TargetName(target);
-    }
-    hwy::SetSupportedTargetsForTest(0);
-    hwy::GetChosenTarget().DeInit();
-  }
-}
-
 TEST(Trace, RepeatedTestsFindTheSame) {
   GenerateConfig config;
   config.objects = 30;
